@@ -1,0 +1,128 @@
+#include "embree/intersector.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "scene/scene.h"
+
+namespace vernier {
+namespace {
+
+// Releases an Embree geometry when the scene that attached it holds its own reference.
+struct GeometryGuard {
+  const embree::Library& lib;
+  embree::Geometry geometry;
+  ~GeometryGuard() { lib.rtcReleaseGeometry(geometry); }
+};
+
+bool poll_progress(void* user, double /*fraction*/) {
+  const auto* cancelled = static_cast<const std::function<bool()>*>(user);
+  return !(*cancelled && (*cancelled)());
+}
+
+void remember_error(void* user, int code, const char* message) {
+  auto* error = static_cast<std::string*>(user);
+  if (error->empty()) {
+    *error = "Embree error " + std::to_string(code) + ": " + (message ? message : "no message");
+  }
+}
+
+}  // namespace
+
+Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
+                         std::span<const uint32_t> masks, int threads,
+                         const std::function<bool()>& cancelled)
+    : lib_(embree::library()) {
+  const std::string config = threads > 0 ? "threads=" + std::to_string(threads) : "";
+  device_ = lib_.rtcNewDevice(config.c_str());
+  if (device_ == nullptr) {
+    throw std::runtime_error("Embree cannot make a device");
+  }
+  std::string error;
+  lib_.rtcSetDeviceErrorFunction(device_, remember_error, &error);
+  intersect1_ = lib_.rtcIntersect1;
+  occluded1_ = lib_.rtcOccluded1;
+
+  const auto new_scene = [&] {
+    embree::Scene scene = lib_.rtcNewScene(device_);
+    scenes_.push_back(scene);
+    // Robust traversal: no ray slips between two triangles that share an edge.
+    lib_.rtcSetSceneFlags(scene, embree::kSceneRobust);
+    lib_.rtcSetSceneBuildQuality(scene, embree::kBuildHigh);
+    lib_.rtcSetSceneProgressMonitorFunction(
+        scene, poll_progress, const_cast<std::function<bool()>*>(&cancelled));
+    return scene;
+  };
+  const auto attach_triangles = [&](embree::Scene scene, const Mesh& mesh, uint32_t id,
+                                    uint32_t mask) {
+    const GeometryGuard g{lib_, lib_.rtcNewGeometry(device_, embree::kTriangles)};
+    lib_.rtcSetSharedGeometryBuffer(g.geometry, embree::kVertexBuffer, 0, embree::kFloat3,
+                                    mesh.positions.data(), 0, sizeof(Vec3f),
+                                    mesh.positions.size());
+    lib_.rtcSetSharedGeometryBuffer(g.geometry, embree::kIndexBuffer, 0, embree::kUint3,
+                                    mesh.triangles.data(), 0, 3 * sizeof(uint32_t),
+                                    mesh.triangles.size());
+    lib_.rtcSetGeometryMask(g.geometry, mask);
+    lib_.rtcCommitGeometry(g.geometry);
+    lib_.rtcAttachGeometryByID(scene, g.geometry, id);
+  };
+
+  try {
+    std::vector<embree::Scene> mesh_scenes(meshes.size(), nullptr);
+    for (size_t i = 0; i < meshes.size(); ++i) {
+      if (meshes[i].instanced && !meshes[i].triangles.empty()) {
+        mesh_scenes[i] = new_scene();
+        attach_triangles(mesh_scenes[i], meshes[i], 0, ~0u);
+        lib_.rtcCommitScene(mesh_scenes[i]);
+      }
+    }
+    top_ = new_scene();
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+      const Instance& instance = instances[i];
+      const Mesh& mesh = meshes[instance.mesh];
+      if (mesh.triangles.empty()) {
+        continue;
+      }
+      if (!mesh.instanced) {
+        attach_triangles(top_, mesh, i, masks[i]);
+        continue;
+      }
+      const GeometryGuard g{lib_, lib_.rtcNewGeometry(device_, embree::kInstance)};
+      lib_.rtcSetGeometryInstancedScene(g.geometry, mesh_scenes[instance.mesh]);
+      lib_.rtcSetGeometryTransform(g.geometry, 0, embree::kFloat3x4RowMajor,
+                                   instance.to_render.m.data());
+      lib_.rtcSetGeometryMask(g.geometry, masks[i]);
+      lib_.rtcCommitGeometry(g.geometry);
+      lib_.rtcAttachGeometryByID(top_, g.geometry, i);
+    }
+    lib_.rtcCommitScene(top_);
+    for (embree::Scene scene : scenes_) {
+      lib_.rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    }
+    lib_.rtcSetDeviceErrorFunction(device_, nullptr, nullptr);
+    if (cancelled && cancelled()) {
+      throw std::runtime_error("cancelled");
+    }
+    if (!error.empty()) {
+      throw std::runtime_error(error);
+    }
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+Intersector::~Intersector() { release(); }
+
+void Intersector::release() {
+  for (embree::Scene scene : scenes_) {
+    lib_.rtcReleaseScene(scene);
+  }
+  scenes_.clear();
+  if (device_ != nullptr) {
+    lib_.rtcReleaseDevice(device_);
+    device_ = nullptr;
+  }
+}
+
+}  // namespace vernier

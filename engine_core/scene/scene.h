@@ -1,0 +1,105 @@
+// The compiled scene: immutable while it is rendered, shared by all threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "embree/intersector.h"
+#include "math/transform.h"
+#include "math/vec.h"
+#include "scene/description.h"
+#include "scene/surface_point.h"
+
+namespace vernier {
+
+class Camera;
+class LightSampler;
+class Material;
+class ImageTexture;
+
+// Values of one attribute of one mesh, on its elements.
+struct MeshAttribute {
+  Domain domain = Domain::kPoint;
+  int channels = 0;  // 0: the mesh does not carry this attribute
+  std::vector<float> data;
+};
+
+struct Mesh {
+  std::string name;
+  std::vector<Vec3f> positions;                   // instanced: object space; else render space
+  std::vector<std::array<uint32_t, 3>> triangles;  // vertices
+  std::vector<std::array<uint32_t, 3>> corners;    // corners; empty: not needed by what is stored
+  std::vector<uint32_t> faces;                     // polygon of each triangle; empty: not needed
+  std::vector<uint16_t> slots;                     // material slot per triangle; empty: all 0
+  Domain normal_domain = Domain::kFace;
+  std::vector<Vec3f> normals;
+  std::vector<MeshAttribute> attributes;           // by attribute id (Scene::attribute_names)
+  Vec3f texture_space_min, texture_space_max;
+  Transform to_object;                             // positions to object space
+  bool instanced = false;
+};
+
+struct Instance {
+  uint32_t mesh = 0;
+  uint32_t object = 0;
+  uint32_t visibility = kVisibleAll;
+  uint32_t material_offset = 0;                    // into Scene::slot_materials
+  uint32_t slot_count = 1;
+  float random = 0;
+  bool mirrored = false;                           // the transform turns the winding around
+  Transform to_render, from_render;                // positions of the mesh to render space
+};
+
+class Scene {
+ public:
+  Scene();
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  // World position of the origin of render space. Rays, lights and SurfacePoint are in render
+  // space, where float32 has its best resolution for what is in the scene.
+  const std::array<double, 3>& origin() const { return origin_; }
+
+  // The closest surface along the ray that `mask` (Visibility bits) sees.
+  bool intersect(const Ray& ray, uint32_t mask, Hit& hit) const;
+  // Fills in everything of SurfacePoint but ray_flags and depth.
+  SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+  // The three corners of a triangle in render space.
+  std::array<Vec3f, 3> triangle(uint32_t instance, uint32_t triangle) const;
+  // Interpolated attribute (id as in attribute_names); {0,0,0,0} where the mesh has none.
+  // Colours and vectors fill xyz with w = 1; a scalar fills x.
+  Vec4f attribute(const SurfacePoint& point, uint32_t id) const;
+  bool has_attribute(uint32_t mesh, uint32_t id) const;
+  // Radius of the picture's pixel footprint at p, metres: the step of bump mapping's differences.
+  float footprint(Vec3f p) const;
+
+  uint32_t material_of(uint32_t instance, uint32_t triangle) const;
+
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<ObjectDesc> objects;
+  std::vector<uint32_t> slot_materials;
+  std::vector<std::string> attribute_names;
+  std::vector<std::unique_ptr<Material>> materials;  // the last one is the grey default
+  std::vector<std::unique_ptr<ImageTexture>> images;
+  std::unique_ptr<Material> world;                   // null: black
+  uint32_t world_visibility = kVisibleAll;
+  std::unique_ptr<Camera> camera;
+  std::unique_ptr<LightSampler> lights;
+  FilmDesc film;
+  // Bounding sphere of everything, render space.
+  Vec3f center;
+  float radius = 0;
+
+ private:
+  friend class SceneCompiler;
+  std::array<double, 3> origin_{};
+  std::unique_ptr<Intersector> intersector_;
+};
+
+}  // namespace vernier

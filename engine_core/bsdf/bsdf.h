@@ -6,19 +6,23 @@
 //
 // Layering (coat, sheen, specular over diffuse) attenuates by the albedo that the *camera's* side
 // sees, as Cycles does, so the sum is not reciprocal. eval() honours that in both modes: the same
-// pair of directions gives the same f whichever end was sampled. Densities always depend on the
-// given direction alone.
+// pair of directions gives the same scattering whichever end was sampled. Densities depend on the
+// given direction and the mode alone.
 //
-// A lobe implements the plain function. What makes transport non-symmetric is applied here, once:
-// the squared relative index at refraction (radiance shrinks by eta^2 where importance does not)
-// and Veach's shading-normal factor |wi.ns wo.ng| / |wi.ng wo.ns| for importance (Veach 1997,
-// sections 5.2 and 5.3).
+// A lobe implements one function of (camera side c, light side l): F(c, l), which includes the
+// cosine at l. What makes transport non-symmetric is applied here, once. With kRadiance eval()
+// gives F(wo, wi). With kImportance it gives F(wi, wo) |wi.ng| / |wo.ng|, which for one lobe of
+// normal ns is f |wi.ns| times Veach's factor |wo.ns wi.ng| / |wo.ng wi.ns| (Veach 1997, section
+// 5.3). As in Cycles, a path carries radiance over the squared index of refraction (basic
+// radiance): kRadiance does not scale at refraction and kImportance scales by the squared index of
+// wo's side over that of wi's side (section 5.2); their product is what physics asks for.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 
+#include "bsdf/params.h"
 #include "math/frame.h"
 #include "math/vec.h"
 #include "scene/surface_point.h"
@@ -27,7 +31,8 @@ namespace vernier {
 
 enum class Transport : uint8_t { kRadiance, kImportance };
 
-// What a lobe is. Also the mask by which passes and bounce limits select.
+// What a lobe is. Also the mask by which passes and bounce limits select: a scattering event is
+// selected where the mask has all of its bits. (A glass lobe makes two kinds of events.)
 enum LobeBits : uint8_t {
   kLobeDiffuse = 1u << 0,
   kLobeGlossy = 1u << 1,
@@ -51,10 +56,76 @@ struct BsdfSample {
   float pdf = 0;          // solid angle; singular: the probability of the choice of the lobe
   float pdf_reverse = 0;
   float eta = 1;          // index of the side wi is on over that of wo's side
-  uint8_t lobe = 0;       // LobeBits of the sampled lobe
+  uint8_t lobe = 0;       // LobeBits of the sampled event
 };
 
-// A contract, to be completed by bsdf/: see notes. Lobe storage, adders for material programs.
-class Bsdf;
+class Bsdf {
+ public:
+  // What Cycles holds at most by default is 64; materials with more than 12 lobes are freaks.
+  static constexpr int kMaxLobes = 12;
+  static constexpr int kMaxLayers = 12;
+
+  Bsdf() {}
+
+  // Starts over at a point. Lobes see wo, ng, ns and the side of the surface from here.
+  void begin(const SurfacePoint& point);
+
+  // Adders. `weight` is linear RGB, not negative, and holds the node's colour (except where the
+  // parameters say otherwise) times its share in the mix. `normal` is unit, on the side of ng.
+  // Weights below 1e-5 on average add nothing, as in Cycles.
+  void add_diffuse(Color weight, Vec3f normal, const DiffuseParams& params = {});
+  void add_translucent(Color weight, Vec3f normal);
+  void add_transparent(Color weight);
+  void add_glossy(Color weight, Vec3f normal, const GlossyParams& params);
+  void add_metallic(Color weight, Vec3f normal, const MetallicParams& params);
+  void add_glass(Color weight, Vec3f normal, const GlassParams& params);
+  void add_refraction(Color weight, Vec3f normal, const RefractionParams& params);
+  void add_sheen(Color weight, Vec3f normal, float roughness);   // microfibre
+  void add_velvet(Color weight, Vec3f normal, float roughness);  // Ashikhmin
+  void add_toon(Color weight, Vec3f normal, const ToonParams& params);
+  // Subsurface scattering's stated fallback: diffuse reflection.
+  void add_subsurface(Color weight, Vec3f normal) { add_diffuse(weight, normal); }
+  void add_principled(Color weight, Vec3f normal, const PrincipledParams& params);
+  // Emission and Background nodes: radiance toward wo.
+  void add_emission(Color radiance) { emission += radiance; }
+  void add_holdout(Color weight) { holdout += weight; }
+
+  // To be called once after the last adder and before any of the following.
+  void finish();
+
+  // Smooth lobes only. wi may be any unit vector.
+  BsdfEval eval(Vec3f wi, Transport transport, uint8_t mask = kLobeAny) const;
+  // The same without pdf_reverse (which is left 0): what a path tracer needs, and cheaper.
+  BsdfEval eval_forward(Vec3f wi, Transport transport, uint8_t mask = kLobeAny) const;
+
+  // u_lobe and u in [0,1). Empty: the path ends here (the sample fell below the surface, or there
+  // is nothing to sample): part of the estimate, with contribution zero.
+  std::optional<BsdfSample> sample(float u_lobe, Vec2f u, Transport transport,
+                                   uint8_t mask = kLobeAny) const;
+  // The same without pdf_reverse.
+  std::optional<BsdfSample> sample_forward(float u_lobe, Vec2f u, Transport transport,
+                                           uint8_t mask = kLobeAny) const;
+
+  // Union of the bits of what may be sampled.
+  uint8_t lobes() const { return bits_; }
+  // True where eval() can be other than zero: some lobe is not singular.
+  bool connectible() const { return smooth_; }
+  // Estimate of the directional albedo toward wo of events within the mask (colour passes).
+  Color albedo(uint8_t mask = kLobeAny) const;
+  // Mean squared roughness (alpha_x alpha_y; singular 0, diffuse 1) over sampling weights, as
+  // Cycles' guiding and filters use: below 0.01 or so the surface is near specular.
+  float mean_squared_roughness() const;
+  // How many lobes were dropped because there was no room.
+  int overflow() const { return overflow_; }
+
+  Color emission;      // radiance toward wo
+  Color transparency;  // weight of what passes straight through
+  Color holdout;       // weight that makes the film transparent
+
+ private:
+  uint8_t bits_ = 0;
+  bool smooth_ = false;
+  int overflow_ = 0;
+};
 
 }  // namespace vernier

@@ -1,0 +1,40 @@
+"""Types of command line arguments. Each raises ArgumentTypeError with a message that argparse shows."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+
+
+def positive_int(text: str) -> int:
+    if not re.fullmatch(r"\d{1,9}", text) or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
+    return int(text)
+
+
+def positive_float(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (value > 0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return value
+
+
+def resolution(text: str) -> tuple[int, int]:
+    """WIDTHxHEIGHT in pixels, each from 4 to 65536 as Blender allows."""
+    found = re.fullmatch(r"(\d{1,6})[xX](\d{1,6})", text)
+    size = (int(found[1]), int(found[2])) if found else (0, 0)
+    if not all(4 <= n <= 65536 for n in size):
+        raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT, each from 4 to 65536")
+    return size
+
+
+def frame_range(text: str) -> range:
+    """A-B, both included, as a range."""
+    found = re.fullmatch(r"(-?\d{1,7})-(-?\d{1,7})", text)
+    if not found or int(found[1]) > int(found[2]):
+        raise argparse.ArgumentTypeError(f"{text!r} is not FIRST-LAST")
+    return range(int(found[1]), int(found[2]) + 1)

@@ -1,0 +1,128 @@
+"""What one engine is to render, what came out, and the process in which it happens.
+
+Engines never share a process: neither their memory nor their libraries may touch the other's
+measurement.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from vernier_tools.errors import ToolError
+
+ENGINES = {"vernier": "Vernier", "cycles": "Cycles"}
+
+
+@dataclass(frozen=True)
+class GeneratedScene:
+    """A measuring scene made on the spot: `triangles` in one mesh, or as instances of a small one."""
+
+    triangles: int
+    instanced: bool
+
+
+@dataclass(frozen=True)
+class Job:
+    """A render of `blend` (or of `generated`) by one engine, once for each seed.
+
+    `samples` per pixel or `time` in seconds of sampling limits each render; the one not used is 0.
+    `threads` 0 means all. `resolution` (0, 0) and `percentage` 0 keep the file's. `settings` are
+    further properties of the engine's own settings. Pictures are `<output>-<seed>.exr`, linear, and
+    with `view` also `.png`, as Blender shows them.
+    """
+
+    engine: str
+    blend: str
+    output: str
+    seeds: tuple[int, ...] = (0,)
+    samples: int = 0
+    time: float = 0.0
+    threads: int = 0
+    resolution: tuple[int, int] = (0, 0)
+    percentage: int = 0
+    view: bool = False
+    settings: dict[str, object] = field(default_factory=dict)
+    generated: GeneratedScene | None = None
+
+
+@dataclass(frozen=True)
+class Render:
+    """One finished render. Times are seconds from the call; memory is in bytes.
+
+    `first_sample` is when sampling began (export and building done), `first_tile` when the first
+    pixels were there; `sampling` and `samples` say how long sampling lasted and what it achieved.
+    `cpu` is the processor time of all threads. `memory` is by how much the process grew at its peak.
+    """
+
+    seed: int
+    seconds: float
+    cpu: float
+    first_sample: float
+    first_tile: float
+    sampling: float
+    samples: int
+    memory: int
+    peak_memory: int
+
+    def samples_per_second(self, pixels: int) -> float:
+        return self.samples * pixels / self.sampling
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a job's process did. `version` is Blender's; `warnings` are the engine's own."""
+
+    engine: str
+    version: str
+    width: int
+    height: int
+    triangles: int
+    renders: tuple[Render, ...]
+    warnings: tuple[str, ...]
+
+
+def run(job: Job, timeout: float | None = None) -> Outcome:
+    """Runs the job in a process of its own. Raises ToolError when it fails or takes too long."""
+    with tempfile.TemporaryDirectory() as folder:
+        request, answer = Path(folder, "job.json"), Path(folder, "outcome.json")
+        request.write_text(json.dumps(asdict(job)))
+        command = [sys.executable, "-m", "vernier_tools.worker", str(request), str(answer)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
+        except subprocess.TimeoutExpired as error:
+            raise ToolError(f"{job.engine}: no end after {timeout:.0f} s") from error
+        if done.returncode != 0 or not answer.exists():
+            lines = [line for line in done.stderr.splitlines() if line.strip()]
+            reason = lines[-1] if lines else f"the process ended with code {done.returncode}"
+            raise ToolError(f"{ENGINES[job.engine]} on {job.blend or job.generated}: {reason}")
+        return outcome_from_json(json.loads(answer.read_text()))
+
+
+def job_from_json(data: dict[str, object]) -> Job:
+    """The inverse of `json.dumps(asdict(job))`."""
+    fields: dict[str, object] = dict(data)
+    generated = fields.get("generated")
+    if isinstance(generated, dict):
+        fields["generated"] = GeneratedScene(**generated)
+    for name in ("seeds", "resolution"):
+        value = fields[name]
+        assert isinstance(value, list)
+        fields[name] = tuple(value)
+    return Job(**fields)  # type: ignore[arg-type]
+
+
+def outcome_from_json(data: dict[str, object]) -> Outcome:
+    """The inverse of `json.dumps(asdict(outcome))`."""
+    renders, warnings = data["renders"], data["warnings"]
+    assert isinstance(renders, list) and isinstance(warnings, list)
+    rest = {key: value for key, value in data.items() if key not in ("renders", "warnings")}
+    return Outcome(
+        renders=tuple(Render(**render) for render in renders),
+        warnings=tuple(warnings),
+        **rest,  # type: ignore[arg-type]
+    )

@@ -1,0 +1,100 @@
+"""Runs one render operation and measures it: times, samples, processor time, memory."""
+
+from __future__ import annotations
+
+import re
+import resource
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+
+from vernier_tools.errors import ToolError
+from vernier_tools.jobs import Render
+
+# Both engines' statistics lines hold "Sample 12/64".
+SAMPLE = re.compile(r"Sample (\d+)")
+
+
+class StatsWatch:
+    """Follows the engine's statistics lines while it renders and notes when what happened."""
+
+    def __init__(self, listener: Callable[[str], None] | None = None) -> None:
+        self.listener = listener
+        self.start = time.perf_counter()
+        self.first_sample = 0.0
+        self.first_tile = 0.0
+        self.last_tile = 0.0
+        self.samples = 0
+
+    def __enter__(self) -> StatsWatch:
+        bpy.app.handlers.render_stats.append(self.on_stats)
+        self.start = time.perf_counter()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        bpy.app.handlers.render_stats.remove(self.on_stats)
+
+    def on_stats(self, text: str, _unused: object = None) -> None:
+        if self.listener:
+            self.listener(text)
+        found = SAMPLE.search(text)
+        if not found:
+            return
+        now = time.perf_counter() - self.start
+        samples = int(found[1])
+        if not self.first_sample:
+            self.first_sample = now
+        # Cycles counts from 0 again at its end.
+        if samples > self.samples:
+            self.first_tile = self.first_tile or now
+            self.last_tile = now
+            self.samples = samples
+
+
+def reset_peak_memory() -> int:
+    """Makes the kernel count the peak anew; returns the memory in use now, in bytes."""
+    Path("/proc/self/clear_refs").write_text("5")
+    return status_bytes("VmRSS")
+
+
+def status_bytes(field: str) -> int:
+    """A field of /proc/self/status that is given in kB, such as VmHWM, in bytes."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith(field + ":"):
+            return int(line.split()[1]) * 1024
+    raise ToolError(f"the kernel does not tell {field}")
+
+
+def processor_seconds() -> float:
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    return usage.ru_utime + usage.ru_stime
+
+
+def render_measured(seed: int) -> Render:
+    """Renders the context's scene and measures it. Raises ToolError when the engine fails."""
+    memory = reset_peak_memory()
+    cpu = processor_seconds()
+    with StatsWatch() as watch:
+        try:
+            done = bpy.ops.render.render()
+        except RuntimeError as error:
+            raise ToolError(f"the render failed: {str(error).strip()}") from error
+        seconds = time.perf_counter() - watch.start
+    if done != {"FINISHED"}:
+        raise ToolError("the render was cancelled")
+    if not watch.samples:
+        raise ToolError("the engine never told of a sample")
+    peak = status_bytes("VmHWM")
+    return Render(
+        seed=seed,
+        seconds=seconds,
+        cpu=processor_seconds() - cpu,
+        first_sample=watch.first_sample,
+        first_tile=watch.first_tile,
+        sampling=watch.last_tile - watch.first_sample,
+        samples=watch.samples,
+        memory=max(peak - memory, 0),
+        peak_memory=peak,
+    )

@@ -19,6 +19,7 @@ INFO = SceneInfo(
     "under one area light; the plain case that every method must get right.",
     resolution=(384, 384),
     view_transform="Standard",
+    exposure=0.7,
 )
 
 _WHITE = (0.725, 0.71, 0.68)

@@ -1,0 +1,1 @@
+"""From Blender's shader node trees to the flat graphs of the scene description."""

@@ -1,0 +1,194 @@
+"""Instances of objects: one pass over the depsgraph that copies what does not outlive it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+from engine_core.description import FloatArray, Visibility
+
+_RAYS = (
+    ("visible_camera", Visibility.CAMERA),
+    ("visible_diffuse", Visibility.DIFFUSE),
+    ("visible_glossy", Visibility.GLOSSY),
+    ("visible_transmission", Visibility.TRANSMISSION),
+    ("visible_shadow", Visibility.SHADOW),
+)
+
+
+@dataclass(eq=False)
+class ObjectUse:
+    """What all instances of one object under one parent share."""
+
+    name: str
+    data: bpy.types.Mesh
+    mesh_key: tuple[int | str, ...]
+    materials: tuple[bpy.types.Material | None, ...]
+    visibility: int
+    color: tuple[float, float, float, float]
+    location: tuple[float, float, float]
+    pass_index: float
+    shadow_catcher: bool
+    holdout: bool
+
+
+@dataclass
+class LampUse:
+    """A lamp at a place; `item` is valid as long as the depsgraph is."""
+
+    item: bpy.types.Object
+    matrix: FloatArray
+    visibility: int
+
+
+@dataclass
+class Collected:
+    """Rows of instances (of `uses[use[i]]`), and lamps."""
+
+    uses: list[ObjectUse] = field(default_factory=list)
+    use: list[int] = field(default_factory=list)
+    matrices: list[float] = field(default_factory=list)
+    random: list[float] = field(default_factory=list)
+    lamps: list[LampUse] = field(default_factory=list)
+
+
+def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
+    """Visits all visible instances of meshes (what else has faces arrives as meshes) and lamps."""
+    result = Collected()
+    known: dict[tuple[int, int, int], int] = {}
+    owners = _MeshKeys(depsgraph)
+    for instance in depsgraph.object_instances:
+        item = instance.object
+        kind = item.type
+        if kind not in ("MESH", "LIGHT") or not instance.show_self:
+            continue
+        is_instance = instance.is_instance
+        parent = instance.parent if is_instance else item
+        source = instance.instance_object if is_instance else item
+        if kind == "LIGHT":
+            visibility = ray_visibility(item)
+            result.lamps.append(LampUse(source or item, rows(instance.matrix_world), visibility))
+            continue
+        data = item.data
+        key = ((source or item).as_pointer(), data.as_pointer(), parent.as_pointer())
+        if key not in known:
+            known[key] = len(result.uses)
+            result.uses.append(_object_use(item, source or item, parent, data, owners, depsgraph))
+        number = known[key]
+        if not result.uses[number].visibility:
+            continue
+        result.use.append(number)
+        matrix = instance.matrix_world
+        result.matrices += (*matrix[0], *matrix[1], *matrix[2])
+        result.random.append(
+            (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF if is_instance else name_random(item.name)
+        )
+    return result
+
+
+def rows(matrix: object) -> FloatArray:
+    """The first three rows of a 4x4 matrix."""
+    return np.array(matrix, np.float32)[:3]
+
+
+def ray_visibility(item: bpy.types.Object) -> int:
+    """Visibility bits of an object's own options."""
+    bits = 0
+    for name, bit in _RAYS:
+        if getattr(item, name):
+            bits |= bit
+    return int(bits)
+
+
+def _object_use(
+    item: bpy.types.Object,
+    source: bpy.types.Object,
+    parent: bpy.types.Object,
+    data: bpy.types.Mesh,
+    keys: _MeshKeys,
+    depsgraph: bpy.types.Depsgraph,
+) -> ObjectUse:
+    layer = depsgraph.view_layer_eval
+    visibility = ray_visibility(item)
+    if parent != item:
+        visibility &= ray_visibility(parent)
+    holdout = bool(parent.holdout_get(view_layer=layer))
+    if not holdout and parent.indirect_only_get(view_layer=layer):
+        visibility &= ~int(Visibility.CAMERA)
+    return ObjectUse(
+        name=item.name,
+        data=data,
+        mesh_key=keys.of(source, data),
+        materials=materials_of(item, data),
+        visibility=visibility,
+        color=tuple(float(x) for x in item.color),
+        location=tuple(float(x) for x in item.matrix_world.translation),
+        pass_index=float(item.pass_index),
+        shadow_catcher=bool(item.is_shadow_catcher or parent.is_shadow_catcher),
+        holdout=holdout,
+    )
+
+
+def materials_of(
+    item: bpy.types.Object, data: bpy.types.Mesh
+) -> tuple[bpy.types.Material | None, ...]:
+    """The evaluated materials by slot: the mesh's, or the object's where a slot links to it."""
+    slots = item.material_slots
+    result = list(data.materials)
+    for index, slot in enumerate(slots):
+        if index >= len(result):
+            result.append(slot.material)
+        elif slot.link == "OBJECT":
+            result[index] = slot.material
+    return tuple(result) or (None,)
+
+
+class _MeshKeys:
+    """Keys under which meshes are kept: by their datablock, or by the object that modifies it."""
+
+    def __init__(self, depsgraph: bpy.types.Depsgraph) -> None:
+        self._depsgraph = depsgraph
+        self._counts: dict[int, dict[int, int]] = {}
+
+    def of(self, item: bpy.types.Object, data: bpy.types.Mesh) -> tuple[int | str, ...]:
+        original = data.original
+        if original is not None and original != data:
+            if original.evaluated_get(self._depsgraph).as_pointer() == data.as_pointer():
+                return ("mesh", original.session_uid)
+        owner = item.original.session_uid
+        numbers = self._counts.setdefault(owner, {})
+        number = numbers.setdefault(data.as_pointer(), len(numbers))
+        base = original.session_uid if original is not None and original != data else owner
+        return ("object", owner, base, f"part {number}")
+
+
+def name_random(name: str) -> float:
+    """Object Info's random of an object that is no instance: a hash of its name, as in Cycles.
+
+    The string hash is i * 37 + c; the mixing is `final` of Bob Jenkins' lookup3 (public domain).
+    """
+    text = 0
+    for byte in name.encode():
+        text = (text * 37 + byte) & 0xFFFFFFFF
+    return _hash_pair(text, 0) / 0xFFFFFFFF
+
+
+def _hash_pair(first: int, second: int) -> int:
+    start = (0xDEADBEEF + (2 << 2) + 13) & 0xFFFFFFFF
+    a, b, c = (start + first) & 0xFFFFFFFF, (start + second) & 0xFFFFFFFF, start
+    for target, source, turn in (
+        ("c", "b", 14),
+        ("a", "c", 11),
+        ("b", "a", 25),
+        ("c", "b", 16),
+        ("a", "c", 4),
+        ("b", "a", 14),
+        ("c", "b", 24),
+    ):
+        words = {"a": a, "b": b, "c": c}
+        word = words[source]
+        rotated = ((word << turn) | (word >> (32 - turn))) & 0xFFFFFFFF
+        words[target] = ((words[target] ^ word) - rotated) & 0xFFFFFFFF
+        a, b, c = words["a"], words["b"], words["c"]
+    return c

@@ -113,4 +113,4 @@ def rigid(matrix: Matrix) -> np.ndarray:
         result[:, :3] = axes / lengths
     else:
         result[:, :3] = np.array(matrix.to_quaternion().to_matrix(), np.float64)
-    return result.astype(np.float32)
+    return np.ascontiguousarray(result, np.float32)

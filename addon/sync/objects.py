@@ -89,7 +89,7 @@ def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
 
 def rows(matrix: object) -> FloatArray:
     """The first three rows of a 4x4 matrix."""
-    return np.array(matrix, np.float32)[:3]
+    return np.ascontiguousarray(np.array(matrix, np.float32)[:3])
 
 
 def ray_visibility(item: bpy.types.Object) -> int:

@@ -1,4 +1,4 @@
-"""Types of command line arguments. Each raises ArgumentTypeError with a message that argparse shows."""
+"""Types of command line arguments; each raises ArgumentTypeError with a message for argparse."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ class Capture:
         sys.stderr.flush()
         self.terminal: TextIO = os.fdopen(os.dup(1), "w")
         self.terminal_error: TextIO = os.fdopen(os.dup(2), "w")
-        self._log = tempfile.TemporaryFile("w+", errors="replace")
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115 (open until the process ends)
         os.dup2(self._log.fileno(), 1)
         os.dup2(self._log.fileno(), 2)
 

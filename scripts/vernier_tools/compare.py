@@ -23,9 +23,9 @@ COMMAND = "scripts/compare_cycles"
 def parse(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog=COMMAND,
-        description="Renders SCENE with Vernier and with Cycles under equal settings (Cycles' biases "
-        "off) and writes a page with both pictures, their difference and the figures. Each engine "
-        "renders two independent halves, so that the page can tell noise from disagreement.",
+        description="Renders SCENE with Vernier and with Cycles under equal settings (Cycles' "
+        "biases off) and writes a page with both pictures, their difference and the figures. Each "
+        "engine renders two independent halves, so that the page can tell noise from disagreement.",
     )
     parser.add_argument("scene", type=Path, metavar="SCENE.blend")
     limit = parser.add_mutually_exclusive_group()

@@ -8,14 +8,15 @@ from pathlib import Path
 from typing import Any
 
 STYLE = """
-body { font: 15px/1.45 system-ui, sans-serif; margin: 1.5rem auto; max-width: 1240px; padding: 0 1rem;
-       color: #222; background: #fafafa; }
+body { font: 15px/1.45 system-ui, sans-serif; margin: 1.5rem auto; max-width: 1240px;
+       padding: 0 1rem; color: #222; background: #fafafa; }
 h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin-top: 2rem; }
 figure { display: inline-block; margin: 0 1rem 1.2rem 0; vertical-align: top; max-width: 100%; }
 figure img { display: block; min-width: 384px; max-width: 100%; image-rendering: pixelated;
              background: #888; }
 figcaption { font-size: 0.9rem; max-width: 36rem; padding-top: 0.3rem; color: #444; }
-table { border-collapse: collapse; } th, td { padding: 0.25rem 0.8rem; border-bottom: 1px solid #ddd; }
+table { border-collapse: collapse; }
+th, td { padding: 0.25rem 0.8rem; border-bottom: 1px solid #ddd; }
 th { text-align: left; } td { text-align: right; font-variant-numeric: tabular-nums; }
 .swap img:last-of-type { display: none; }
 .swap:hover img:first-of-type { display: none; } .swap:hover img:last-of-type { display: block; }
@@ -63,13 +64,13 @@ def difference_section(names: Sequence[str], numbers: Mapping[str, Any]) -> list
         "<h2>Differences</h2>",
         figure(
             ["difference.png"],
-            f"Difference of luminance relative to the mean of both: red where {names[0]} is brighter, "
-            f"blue where {names[1]} is; full colour at 50 %.",
+            "Difference of luminance relative to the mean of both: "
+            f"red where {names[0]} is brighter, blue where {names[1]} is; full colour at 50 %.",
         ),
         figure(
             ["blocks.png"],
-            f"The same over blocks of {block} by {block} pixels, in standard errors: full colour at "
-            "5. Noise alone gives pale patches without a pattern.",
+            f"The same over blocks of {block} by {block} pixels, in standard errors: full colour "
+            "at 5. Noise alone gives pale patches without a pattern.",
         ),
         figure(["flip.png"], "FLIP: what an eye would see when the pictures are swapped."),
     ]
@@ -90,8 +91,8 @@ def agreement_table(numbers: Mapping[str, Any]) -> str:
     ]
     body = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
     note = (
-        "<p>The noise is estimated from the two halves of each render. Where few samples carry most "
-        "of the light (fireflies), it is underestimated, and so are the standard errors.</p>"
+        "<p>The noise is estimated from the two halves of each render. Where few samples carry "
+        "most of the light (fireflies), it is underestimated, and so are the standard errors.</p>"
     )
     return f"<table>{body}</table>{note}"
 

@@ -6,6 +6,8 @@ light threshold, few bounces. What remains is a path tracer with a light tree, a
 
 from __future__ import annotations
 
+import importlib
+
 import bpy
 
 from vernier_tools.errors import ToolError
@@ -93,6 +95,4 @@ def enable_cycles() -> None:
 def register_vernier() -> None:
     """Registers the project's add-on, once."""
     if not hasattr(bpy.types.Scene, "vernier"):
-        import addon
-
-        addon.register()
+        importlib.import_module("addon").register()

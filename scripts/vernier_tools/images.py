@@ -55,12 +55,8 @@ def luminance(image: FloatImage) -> FloatImage:
 def diverging(values: FloatImage, scale: float) -> FloatImage:
     """(h, w) values as colours: blue at -scale, white at 0, red at +scale; clipped beyond."""
     t = np.clip(values / scale, -1, 1)[:, :, None]
-    blue, white, red = (
-        np.array(c, np.float32) for c in ((0.13, 0.27, 0.6), (1, 1, 1), (0.7, 0, 0.1))
-    )
-    return np.where(t < 0, white + (blue - white) * -t, white + (red - white) * t).astype(
-        np.float32
-    )
+    blue, red = np.array([0.13, 0.27, 0.6]), np.array([0.7, 0.0, 0.1])
+    return np.asarray(np.where(t < 0, 1 + (blue - 1) * -t, 1 + (red - 1) * t), np.float32)
 
 
 def heat(values: FloatImage) -> FloatImage:

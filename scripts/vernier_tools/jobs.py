@@ -20,7 +20,7 @@ ENGINES = {"vernier": "Vernier", "cycles": "Cycles"}
 
 @dataclass(frozen=True)
 class GeneratedScene:
-    """A measuring scene made on the spot: `triangles` in one mesh, or as instances of a small one."""
+    """A measuring scene: `triangles` in one mesh, or as instances of a small one."""
 
     triangles: int
     instanced: bool
@@ -56,7 +56,8 @@ class Render:
 
     `first_sample` is when sampling began (export and building done), `first_tile` when the first
     pixels were there; `sampling` and `samples` say how long sampling lasted and what it achieved.
-    `cpu` is the processor time of all threads. `memory` is by how much the process grew at its peak.
+    `cpu` is the processor time of all threads. `memory` is by how much the process grew at its
+    peak.
     """
 
     seed: int

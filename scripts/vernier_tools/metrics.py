@@ -39,10 +39,10 @@ def weighted_mean_square(difference: NDArray[np.float64], reference: FloatImage)
 class Agreement:
     """Whether two pictures have the same mean, and the same mean in every block of pixels.
 
-    `ratio` is mean luminance of the first over that of the second, `ratio_error` its standard error.
-    `block_z` holds each block's difference in standard errors. `worst_z` is the largest of these by
-    size, `probability` the chance of one as large or larger among all blocks if nothing but noise
-    sets the pictures apart (Sidak: 1 - (1 - p)^n).
+    `ratio` is mean luminance of the first over that of the second, `ratio_error` its standard
+    error. `block_z` holds each block's difference in standard errors. `worst_z` is the largest of
+    these by size, `probability` the chance of one as large or larger among all blocks if nothing
+    but noise sets the pictures apart (Sidak: 1 - (1 - p)^n).
     """
 
     ratio: float
@@ -57,7 +57,7 @@ def agreement(
     first: tuple[FloatImage, FloatImage], second: tuple[FloatImage, FloatImage], block: int = 16
 ) -> Agreement:
     """Compares two renders given as independent halves."""
-    a, b = (luminance((half[0] + half[1]) / 2) for half in (first, second))
+    a, b = (luminance(np.asarray((half[0] + half[1]) / 2, np.float32)) for half in (first, second))
     variances = [(luminance(half[0]) - luminance(half[1])) ** 2 / 4 for half in (first, second)]
     mean_a, mean_b = float(a.mean(dtype=np.float64)), float(b.mean(dtype=np.float64))
     count = a.size
@@ -65,8 +65,8 @@ def agreement(
     ratio = mean_a / mean_b if mean_b else math.nan
     relative = [e / m if m else math.nan for e, m in zip(errors, (mean_a, mean_b), strict=True)]
     block = min(block, *a.shape)
-    difference = block_sums(a - b, block)
-    spread = np.sqrt(block_sums(variances[0] + variances[1], block))
+    difference = block_sums(np.asarray(a - b, np.float32), block)
+    spread = np.sqrt(block_sums(np.asarray(variances[0] + variances[1], np.float32), block))
     with np.errstate(divide="ignore", invalid="ignore"):
         z = np.where(difference == 0, 0.0, difference / spread)
     worst = float(np.abs(z).max())

@@ -49,7 +49,8 @@ def check_output(path: Path) -> None:
 def frame_path(pattern: Path, frame: int) -> Path:
     """`pattern` with its last run of `#` in the file's name replaced by the frame's number.
 
-    The number is padded with zeros to the run's length. Without `#`, `_####` goes before the suffix.
+    The number is padded with zeros to the run's length. Without `#`, `_####` goes before the
+    suffix.
     """
     runs = list(re.finditer("#+", pattern.name))
     if not runs:
@@ -62,7 +63,8 @@ def frame_path(pattern: Path, frame: int) -> Path:
 def save_render(scene: bpy.types.Scene, path: Path) -> None:
     """Saves the render result: multilayer EXR linear with all passes, others as they are viewed.
 
-    The file is written beside `path` under a temporary name, then renamed over it. Raises ToolError.
+    The file is written beside `path` under a temporary name, then renamed over it. Raises
+    ToolError.
     """
     kind = FORMATS[path.suffix.lower()]
     settings = scene.render.image_settings

@@ -24,10 +24,8 @@ from vernier_tools.measure import render_measured
 def work(job: Job, capture: Capture) -> Outcome:
     if job.engine == "cycles":
         engines.enable_cycles()
-    if job.generated:
-        scene = generated_scenes.make(job.generated)
-    else:
-        scene = open_blend(Path(job.blend))
+    made = job.generated
+    scene = generated_scenes.make(made) if made else open_blend(Path(job.blend))
     require_camera(scene)
     renders = []
     for seed in job.seeds:

@@ -12,6 +12,7 @@
 #include "math/transform.h"
 #include "math/vec.h"
 #include "scene/description.h"
+#include "scene/requirements.h"
 #include "scene/surface_point.h"
 
 namespace vernier {
@@ -28,30 +29,33 @@ struct MeshAttribute {
   std::vector<float> data;
 };
 
+// Triangles and what materials read on them. Arrays that nothing needs stay empty.
 struct Mesh {
   std::string name;
-  std::vector<Vec3f> positions;                   // instanced: object space; else render space
+  std::vector<Vec3f> positions;  // instanced: object space; else render space
   std::vector<std::array<uint32_t, 3>> triangles;  // vertices
-  std::vector<std::array<uint32_t, 3>> corners;    // corners; empty: not needed by what is stored
-  std::vector<uint32_t> faces;                     // polygon of each triangle; empty: not needed
-  std::vector<uint16_t> slots;                     // material slot per triangle; empty: all 0
+  std::vector<std::array<uint32_t, 3>> corners;    // corners of the polygons
+  std::vector<uint32_t> faces;                     // polygon of each triangle
+  std::vector<uint16_t> slots;                     // material slot of each triangle; empty: 0
   Domain normal_domain = Domain::kFace;
-  std::vector<Vec3f> normals;
+  std::vector<Vec3f> normals;                      // object space
   std::vector<MeshAttribute> attributes;           // by attribute id (Scene::attribute_names)
-  Vec3f texture_space_min, texture_space_max;
-  Transform to_object;                             // positions to object space
-  bool instanced = false;
+  Vec3f texture_space_min, texture_space_max;      // object space
+  bool instanced = false;                          // several instances share it
 };
 
 struct Instance {
   uint32_t mesh = 0;
   uint32_t object = 0;
   uint32_t visibility = kVisibleAll;
-  uint32_t material_offset = 0;                    // into Scene::slot_materials
+  uint32_t material_offset = 0;  // into Scene::slot_materials
   uint32_t slot_count = 1;
-  float random = 0;
-  bool mirrored = false;                           // the transform turns the winding around
-  Transform to_render, from_render;                // positions of the mesh to render space
+  float random = 0;              // Object Info's random, [0, 1)
+  bool mirrored = false;         // the transform reverses orientation
+  Transform to_render;           // instanced: Mesh::positions to render space; else identity
+  Transform from_render;         // its inverse
+  Transform object_to_world;     // as described
+  Transform world_to_object;     // singular transforms: zeros
 };
 
 class Scene {
@@ -64,36 +68,54 @@ class Scene {
   // World position of the origin of render space. Rays, lights and SurfacePoint are in render
   // space, where float32 has its best resolution for what is in the scene.
   const std::array<double, 3>& origin() const { return origin_; }
+  Vec3f to_world(Vec3f p) const;
 
   // The closest surface along the ray that `mask` (Visibility bits) sees.
-  bool intersect(const Ray& ray, uint32_t mask, Hit& hit) const;
-  // Fills in everything of SurfacePoint but ray_flags and depth.
+  bool intersect(const Ray& ray, uint32_t mask, Hit& hit) const {
+    return intersector_ != nullptr && intersector_->intersect(ray, mask, hit);
+  }
+  // Whether an opaque surface blocks the ray for shadows.
+  bool occluded_by_opaque(const Ray& ray) const {
+    return intersector_ != nullptr && intersector_->occluded(ray, kMaskOpaqueShadow);
+  }
+  // The closest surface that may let shadow rays through.
+  bool intersect_transparent(const Ray& ray, Hit& hit) const {
+    return intersector_ != nullptr && intersector_->intersect(ray, kMaskTransparentShadow, hit);
+  }
+
+  // Everything of SurfacePoint but ray_flags and depth.
   SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
   // The three corners of a triangle in render space.
   std::array<Vec3f, 3> triangle(uint32_t instance, uint32_t triangle) const;
+  // The unit geometric normal of a triangle on its front side, in render space.
+  Vec3f triangle_normal(uint32_t instance, uint32_t triangle) const;
   // Interpolated attribute (id as in attribute_names); {0,0,0,0} where the mesh has none.
-  // Colours and vectors fill xyz with w = 1; a scalar fills x.
+  // One channel fills x, y and z alike with w = 1; two fill x and y; three have w = 1.
   Vec4f attribute(const SurfacePoint& point, uint32_t id) const;
   bool has_attribute(uint32_t mesh, uint32_t id) const;
+  // The active UV map's coordinates, w = 1; zero where they were not kept.
+  Vec3f uv(const SurfacePoint& point) const;
+  uint32_t material_of(uint32_t instance, uint32_t triangle) const;
   // Radius of the picture's pixel footprint at p, metres: the step of bump mapping's differences.
   float footprint(Vec3f p) const;
-
-  uint32_t material_of(uint32_t instance, uint32_t triangle) const;
 
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<ObjectDesc> objects;
   std::vector<uint32_t> slot_materials;
   std::vector<std::string> attribute_names;
-  std::vector<std::unique_ptr<Material>> materials;  // the last one is the grey default
+  uint32_t uv_attribute = kNoIndex;  // of the UV pass
   std::vector<std::unique_ptr<ImageTexture>> images;
+  std::vector<std::unique_ptr<Material>> materials;  // the last one is the grey default
+  std::vector<float> material_pass_indices;
   std::unique_ptr<Material> world;                   // null: black
   uint32_t world_visibility = kVisibleAll;
   std::unique_ptr<Camera> camera;
   std::unique_ptr<LightSampler> lights;
   FilmDesc film;
-  // Bounding sphere of everything, render space.
-  Vec3f center;
+  Requirements requirements;
+  std::vector<std::string> warnings;
+  Vec3f center;      // bounding sphere of all geometry and finite lamps, render space
   float radius = 0;
 
  private:

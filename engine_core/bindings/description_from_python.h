@@ -1,0 +1,22 @@
+// Python's SceneDescription as the core's: views into its arrays, nothing copied that is large.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <vector>
+
+#include "scene/description.h"
+
+namespace vernier {
+
+// The description, and the arrays that it refers to, kept alive together.
+struct BorrowedDescription {
+  SceneDescription description;
+  std::vector<nanobind::object> owners;
+};
+
+// Throws nb::python_error or nb::cast_error where a field is missing or of the wrong type:
+// engine_core.validation has been run before and says so better.
+BorrowedDescription description_from_python(nanobind::handle description);
+
+}  // namespace vernier

@@ -1,0 +1,19 @@
+// The extension module: scenes, sessions and the tables that the add-on reads. No logic.
+#include <nanobind/nanobind.h>
+
+#include "bindings/bind.h"
+
+#define VERNIER_NB_MODULE(name, variable) NB_MODULE(name, variable)
+
+VERNIER_NB_MODULE(VERNIER_MODULE, m) {
+  m.doc() = "The rendering core of Vernier, compiled for one instruction set.";
+  vernier::bind_tables(m);
+  vernier::bind_scene(m);
+  vernier::bind_session(m);
+  nanobind::module_ probe = m.def_submodule(
+      "probe", "Vectorised access to single samplers and functions, for statistical tests.");
+  vernier::bind_bsdf_probes(probe);
+  vernier::bind_nodes_probes(probe);
+  vernier::bind_lights_probes(probe);
+  vernier::bind_core_probes(probe);
+}

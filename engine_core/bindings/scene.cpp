@@ -1,0 +1,80 @@
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/bind.h"
+#include "bindings/description_from_python.h"
+#include "scene/compile.h"
+
+namespace nb = nanobind;
+
+namespace vernier {
+namespace {
+
+// Shared ownership of an immutable scene. (nanobind holds no pointers to const.)
+struct SceneHandle {
+  std::shared_ptr<const Scene> scene;
+};
+
+nb::dict requirements(const SceneHandle& handle) {
+  const Requirements& r = handle.scene->requirements;
+  nb::dict d;
+  d["triangles"] = r.triangles;
+  d["instanced_triangles"] = r.instanced_triangles;
+  d["instances"] = r.instances;
+  d["lamps"] = r.lamps;
+  d["emissive_triangles"] = r.emissive_triangles;
+  d["constant_materials"] = r.constant_materials;
+  d["program_materials"] = r.program_materials;
+  d["programs"] = r.programs;
+  d["transparent_shadows"] = r.transparent_shadows;
+  d["environment"] = r.environment;
+  d["textured_emission"] = r.textured_emission;
+  d["depth_of_field"] = r.depth_of_field;
+  d["singular_lobes"] = r.singular_lobes;
+  d["caustics"] = r.caustics;
+  d["transmission"] = r.transmission;
+  d["instancing"] = r.instancing;
+  d["light_tree"] = r.light_tree;
+  d["hidden_from_rays"] = r.hidden_from_rays;
+  return d;
+}
+
+SceneHandle compile_scene(nb::handle description, int threads, bool keep_uv,
+                          const nb::object& cancelled) {
+  const BorrowedDescription borrowed = description_from_python(description);
+  CompileOptions options;
+  options.threads = threads;
+  options.keep_uv = keep_uv;
+  if (!cancelled.is_none()) {
+    options.cancelled = [&cancelled] {
+      const nb::gil_scoped_acquire lock;
+      return nb::cast<bool>(nb::bool_(cancelled()));
+    };
+  }
+  const nb::gil_scoped_release release;
+  return {compile(borrowed.description, options)};
+}
+
+}  // namespace
+
+std::shared_ptr<const Scene> scene_of(nb::handle handle) {
+  return nb::cast<const SceneHandle&>(handle).scene;
+}
+
+void bind_scene(nb::module_& m) {
+  nb::class_<SceneHandle>(m, "Scene", "A compiled scene; immutable.")
+      .def_prop_ro("warnings", [](const SceneHandle& s) { return s.scene->warnings; },
+                   "What was replaced or left out, a sentence each.")
+      .def_prop_ro("requirements", &requirements, "What the scene needs of the renderer.")
+      .def_prop_ro("width", [](const SceneHandle& s) {
+        return s.scene->film.crop[2] - s.scene->film.crop[0];
+      })
+      .def_prop_ro("height", [](const SceneHandle& s) {
+        return s.scene->film.crop[3] - s.scene->film.crop[1];
+      });
+  m.def("compile", &compile_scene, nb::arg("description"), nb::arg("threads"), nb::arg("keep_uv"),
+        nb::arg("cancelled").none(), "Compiles a validated description.");
+}
+
+}  // namespace vernier

@@ -1,0 +1,98 @@
+#include "render/session.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+
+#include "bindings/bind.h"
+
+namespace nb = nanobind;
+
+namespace vernier {
+
+namespace {
+
+Pass pass_by_name(const std::string& name) {
+  for (size_t i = 0; i < kPasses.size(); ++i) {
+    if (kPasses[i].name == name || kPasses[i].legacy_name == name) {
+      return static_cast<Pass>(i);
+    }
+  }
+  throw std::invalid_argument("there is no pass named " + name);
+}
+
+nb::ndarray<nb::numpy, float> read(const Session& session, const std::string& name, int x, int y,
+                                   int width, int height) {
+  const Pass pass = pass_by_name(name);
+  const Film& film = session.film();
+  if (x < 0 || y < 0 || width < 0 || height < 0 || x > film.width() - width ||
+      y > film.height() - height) {
+    throw std::invalid_argument("the rectangle is not within the film");
+  }
+  if (!film.passes().has(pass)) {
+    throw std::invalid_argument("pass " + name + " was not asked for");
+  }
+  const size_t channels = info(pass).channels.size();
+  const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height) * channels;
+  auto* data = new float[count]();
+  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<float*>(p); });
+  {
+    const nb::gil_scoped_release release;
+    film.read(pass, {x, y, width, height}, {data, count});
+  }
+  return nb::ndarray<nb::numpy, float>(
+      data, {static_cast<size_t>(height), static_cast<size_t>(width), channels}, owner);
+}
+
+}  // namespace
+
+void bind_session(nb::module_& m) {
+  nb::class_<Progress>(m, "Progress", "Where a render is.")
+      .def_ro("samples", &Progress::samples, "Per pixel, on average.")
+      .def_ro("samples_target", &Progress::samples_target)
+      .def_ro("seconds", &Progress::seconds)
+      .def_ro("seconds_left", &Progress::seconds_left, "An estimate; infinite while unknown.")
+      .def_ro("error", &Progress::error, "Of the picture; infinite while unknown.")
+      .def_ro("rays", &Progress::rays)
+      .def_ro("non_finite", &Progress::non_finite, "Samples dropped because not finite.")
+      .def_ro("done", &Progress::done)
+      .def_ro("cancelled", &Progress::cancelled);
+
+  nb::class_<Session>(m, "Session", "A render in progress.")
+      .def("__init__",
+           [](Session* self, nb::handle scene, const std::map<std::string, SettingValue>& settings,
+              const std::vector<std::string>& passes) {
+             PassSet set;
+             for (const std::string& name : passes) {
+               set.add(pass_by_name(name));
+             }
+             new (self) Session(scene_of(scene), make_settings(settings), set);
+           },
+           nb::arg("scene"), nb::arg("settings"), nb::arg("passes"))
+      .def("start", &Session::start)
+      .def("cancel", &Session::cancel, "Asks the threads to stop; returns at once.")
+      .def("wait", &Session::wait, nb::arg("seconds"), nb::call_guard<nb::gil_scoped_release>(),
+           "True when all threads have ended; waits at most `seconds`.")
+      .def("poll", &Session::poll, nb::arg("with_error") = false,
+           nb::call_guard<nb::gil_scoped_release>())
+      .def("take_tiles",
+           [](Session& s) {
+             std::vector<std::tuple<int, int, int, int>> tiles;
+             for (const Tile& t : s.take_tiles()) {
+               tiles.emplace_back(t.x, t.y, t.width, t.height);
+             }
+             return tiles;
+           },
+           "Rectangles (x, y, width, height) that have changed since the last call.")
+      .def("read", &read, nb::arg("name"), nb::arg("x"), nb::arg("y"), nb::arg("width"),
+           nb::arg("height"), "The current estimate of a pass: (height, width, channels) float32.")
+      .def_prop_ro("threads", &Session::thread_count)
+      .def_prop_ro("error_message", &Session::error_message);
+}
+
+}  // namespace vernier

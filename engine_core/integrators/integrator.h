@@ -1,0 +1,44 @@
+// What every integrator is to the render session: a function that renders one tile of one batch.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "render/film.h"
+#include "render/settings.h"
+#include "sampling/pixel_filter.h"
+#include "scene/scene.h"
+
+namespace vernier {
+
+// A batch is a pass over the whole frame with samples of its own, independent of other batches.
+struct Batch {
+  uint64_t seed = 0;
+  uint32_t samples = 1;
+  bool first = false;   // holds the first sample of each pixel
+};
+
+// What a thread has done. Padded, so that threads do not share cache lines.
+struct alignas(64) RenderStats {
+  uint64_t rays = 0;
+  uint64_t camera_paths = 0;
+  uint64_t non_finite = 0;  // samples that were dropped because they were not finite
+};
+
+struct RenderContext {
+  const Scene& scene;
+  const Settings& settings;
+  const PixelFilter2d& filter;
+  const std::atomic<bool>& cancelled;
+};
+
+// Renders `batch` for the pixels of `tile` (film coordinates) into `buffer`. Returns early, with
+// what it has, once the render is cancelled.
+using RenderTile = void (*)(const RenderContext& context, const Batch& batch, const Tile& tile,
+                            TileBuffer& buffer, PassSet passes, RenderStats& stats);
+
+// The kernel of the chosen integrator for what this scene and these passes need, and nothing else.
+RenderTile choose_kernel(const Settings& settings, const Requirements& requirements,
+                         PassSet passes);
+
+}  // namespace vernier

@@ -1,0 +1,73 @@
+"""Vernier's rendering core: describe a scene, compile it, render it.
+
+>>> scene = engine_core.compile(description)
+>>> session = engine_core.Session(scene, {"samples": 64}, ["Combined"])
+>>> session.start()
+>>> session.wait(60.0)
+>>> picture = session.read("Combined", 0, 0, scene.width, scene.height)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from . import _loader
+from ._loader import CoreUnavailableError
+from .description import SceneDescription
+from .tables import Parameter, PassInfo, parameters_from, passes_from
+from .validation import DescriptionError, validate
+
+_core = _loader.load()
+
+Scene = _core.Scene
+Session = _core.Session
+Progress = _core.Progress
+probe = _core.probe
+
+#: The instruction set that the core in use was compiled for: v2, v3 or v4.
+INSTRUCTION_SET: str = _core.__name__.rpartition("_")[2]
+
+
+def parameters() -> list[Parameter]:
+    """The settings of a render, each declared once."""
+    return parameters_from(_core.parameter_rows())
+
+
+def passes() -> list[PassInfo]:
+    """The passes that a render can make."""
+    return passes_from(_core.pass_rows())
+
+
+def compile(
+    description: SceneDescription,
+    threads: int = 0,
+    keep_uv: bool = False,
+    cancelled: Callable[[], bool] | None = None,
+) -> Any:
+    """Validates and compiles a description to an immutable `Scene`.
+
+    `threads` 0: as many as the machine has. `keep_uv`: the UV pass will be asked for.
+    `cancelled` is polled now and then. Raises DescriptionError (a ValueError) or ValueError naming
+    what is wrong, RuntimeError when Embree fails or the call is cancelled, MemoryError.
+    """
+    validate(description)
+    return _core.compile(description, threads, keep_uv, cancelled)
+
+
+__all__ = [
+    "INSTRUCTION_SET",
+    "CoreUnavailableError",
+    "DescriptionError",
+    "Parameter",
+    "PassInfo",
+    "Progress",
+    "Scene",
+    "SceneDescription",
+    "Session",
+    "compile",
+    "parameters",
+    "passes",
+    "probe",
+    "validate",
+]

@@ -1,0 +1,256 @@
+#include "render/film.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/accuracy.h"
+
+namespace vernier {
+namespace {
+
+bool is_sampled(Pass pass) {
+  return pass != Pass::kCombined && info(pass).kind != PassKind::kDerived;
+}
+
+// Light passes are divided by their colour when they are read: that colour must then be stored.
+PassSet with_colors(PassSet passes) {
+  for (int i = 0; i < kPassCount; ++i) {
+    const auto pass = static_cast<Pass>(i);
+    if (passes.has(pass) && info(pass).color != Pass::kCount) {
+      passes.add(info(pass).color);
+    }
+  }
+  return passes;
+}
+
+std::vector<Tile> make_tiles(int width, int height, int size) {
+  std::vector<Tile> tiles;
+  for (int y = 0; y < height; y += size) {
+    for (int x = 0; x < width; x += size) {
+      tiles.push_back({x, y, std::min(size, width - x), std::min(size, height - y)});
+    }
+  }
+  // The middle of the picture comes first: it is where people look.
+  const auto distance = [&](const Tile& t) {
+    return std::hypot(2.0 * t.x + t.width - width, 2.0 * t.y + t.height - height);
+  };
+  std::stable_sort(tiles.begin(), tiles.end(),
+                   [&](const Tile& a, const Tile& b) { return distance(a) < distance(b); });
+  return tiles;
+}
+
+void write(const Vec3f& v, float* out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
+
+void write_pass(Pass pass, const PassSample& s, float* out) {
+  switch (pass) {
+    case Pass::kDepth:
+    case Pass::kDenoisingDepth: out[0] = s.depth; return;
+    case Pass::kPosition: return write(s.position, out);
+    case Pass::kNormal: return write(s.normal, out);
+    case Pass::kUv: return write(s.uv, out);
+    case Pass::kDiffuseDirect: return write(s.direct[0], out);
+    case Pass::kDiffuseIndirect: return write(s.indirect[0], out);
+    case Pass::kDiffuseColor: return write(s.diffuse_color, out);
+    case Pass::kGlossyDirect: return write(s.direct[1], out);
+    case Pass::kGlossyIndirect: return write(s.indirect[1], out);
+    case Pass::kGlossyColor: return write(s.glossy_color, out);
+    case Pass::kTransmissionDirect: return write(s.direct[2], out);
+    case Pass::kTransmissionIndirect: return write(s.indirect[2], out);
+    case Pass::kTransmissionColor: return write(s.transmission_color, out);
+    case Pass::kEmission: return write(s.emission, out);
+    case Pass::kEnvironment: return write(s.environment, out);
+    case Pass::kDenoisingNormal: return write(s.denoising_normal, out);
+    case Pass::kDenoisingAlbedo: return write(s.denoising_albedo, out);
+    default: return;
+  }
+}
+
+}  // namespace
+
+int channel_offset(PassSet passes, Pass pass) {
+  int offset = 0;
+  for (int i = 0; i < static_cast<int>(pass); ++i) {
+    const auto p = static_cast<Pass>(i);
+    offset += passes.has(p) && is_sampled(p) ? static_cast<int>(info(p).channels.size()) : 0;
+  }
+  return offset;
+}
+
+int sampled_channels(PassSet passes) { return channel_offset(passes, Pass::kCount); }
+
+TileBuffer::TileBuffer(PassSet passes, const Tile& tile) : tile_(tile), passes_(passes) {
+  const auto count = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height);
+  pixels_.resize(count);
+  values_.resize(count * static_cast<size_t>(sampled_channels(passes)));
+}
+
+void TileBuffer::add_passes(int x, int y, const PassSample& sample, bool first) {
+  float* out = values_.data() + index(x, y) * static_cast<size_t>(sampled_channels(passes_));
+  for (int i = 0; i < kPassCount; ++i) {
+    const auto pass = static_cast<Pass>(i);
+    if (!passes_.has(pass) || !is_sampled(pass)) {
+      continue;
+    }
+    float value[4];
+    write_pass(pass, sample, value);
+    const size_t channels = info(pass).channels.size();
+    if (info(pass).kind != PassKind::kFirstSample || first) {
+      for (size_t c = 0; c < channels; ++c) {
+        out[c] += value[c];
+      }
+    }
+    out += channels;
+  }
+}
+
+Film::Film(int width, int height, PassSet passes, float exposure)
+    : width_(width),
+      height_(height),
+      passes_(with_colors(passes)),
+      exposure_(static_cast<double>(exposure)),
+      tiles_(make_tiles(width, height, kTileSize)) {
+  const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
+  pixels_.resize(count);
+  values_.resize(count * static_cast<size_t>(sampled_channels(passes_)));
+  locks_ = std::make_unique<std::mutex[]>(tiles_.size());
+}
+
+double Film::luminance_sum(const Pixel& p) {
+  return 0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b;
+}
+
+void Film::merge(size_t number, const TileBuffer& buffer) {
+  const Tile& tile = tiles_[number];
+  const auto channels = static_cast<size_t>(sampled_channels(passes_));
+  const std::lock_guard lock(locks_[number]);
+  for (int y = 0; y < tile.height; ++y) {
+    for (int x = 0; x < tile.width; ++x) {
+      const size_t from = buffer.index(x, y);
+      const PixelBatch& batch = buffer.pixels_[from];
+      if (batch.samples == 0) {
+        continue;
+      }
+      const size_t to = static_cast<size_t>(tile.y + y) * static_cast<size_t>(width_) +
+                        static_cast<size_t>(tile.x + x);
+      Pixel& p = pixels_[to];
+      p.r += batch.r, p.g += batch.g, p.b += batch.b, p.alpha += batch.alpha;
+      const double luminance = 0.2126 * batch.r + 0.7152 * batch.g + 0.0722 * batch.b;
+      p.luminance_squares += luminance * luminance / batch.samples;
+      p.samples += batch.samples;
+      ++p.batches;
+      for (size_t c = 0; c < channels; ++c) {
+        values_[to * channels + c] += buffer.values_[from * channels + c];
+      }
+    }
+  }
+}
+
+double Film::half_width(const Pixel& p) const {
+  const double n = p.samples;
+  return interval_factor(p.batches) *
+         standard_error(n, luminance_sum(p), p.luminance_squares, p.batches);
+}
+
+void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
+  const Pixel& p = pixels_[pixel];
+  const PassInfo& what = info(pass);
+  const double inv = p.samples > 0 ? 1.0 / p.samples : 0.0;
+  if (pass == Pass::kCombined) {
+    out[0] = static_cast<float>(p.r * inv * exposure_);
+    out[1] = static_cast<float>(p.g * inv * exposure_);
+    out[2] = static_cast<float>(p.b * inv * exposure_);
+    out[3] = static_cast<float>(p.alpha * inv);
+    return;
+  }
+  if (pass == Pass::kSampleCount) {
+    out[0] = static_cast<float>(p.samples);
+    return;
+  }
+  if (pass == Pass::kError) {
+    out[0] = p.batches < 2 ? 0.0f
+                           : static_cast<float>(relative_error(luminance_sum(p) * inv,
+                                                               half_width(p), mean));
+    return;
+  }
+  const float* values = values_.data() + pixel * static_cast<size_t>(sampled_channels(passes_));
+  const float* value = values + channel_offset(passes_, pass);
+  const float* color = what.kind == PassKind::kLight
+                           ? values + channel_offset(passes_, what.color) : nullptr;
+  const bool is_light = what.kind == PassKind::kLight || pass == Pass::kEmission ||
+                        pass == Pass::kEnvironment;
+  for (size_t c = 0; c < what.channels.size(); ++c) {
+    double v = static_cast<double>(value[c]);
+    if (color != nullptr) {
+      v = color[c] > 0.0f ? v / static_cast<double>(color[c]) : 0.0;
+    } else if (what.kind != PassKind::kFirstSample) {
+      v *= inv;
+    }
+    out[c] = static_cast<float>(is_light ? v * exposure_ : v);
+  }
+}
+
+void Film::read(Pass pass, const Tile& area, std::span<float> out) const {
+  const size_t channels = info(pass).channels.size();
+  const double mean = pass == Pass::kError ? mean_luminance() : 0.0;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const Tile& t = tiles_[i];
+    const int x0 = std::max(t.x, area.x), x1 = std::min(t.x + t.width, area.x + area.width);
+    const int y0 = std::max(t.y, area.y), y1 = std::min(t.y + t.height, area.y + area.height);
+    if (x0 >= x1 || y0 >= y1) {
+      continue;
+    }
+    const std::lock_guard lock(locks_[i]);
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) {
+        const size_t to = static_cast<size_t>(y - area.y) * static_cast<size_t>(area.width) +
+                          static_cast<size_t>(x - area.x);
+        const size_t from = static_cast<size_t>(y) * static_cast<size_t>(width_) +
+                            static_cast<size_t>(x);
+        read_pixel(pass, from, mean, out.data() + to * channels);
+      }
+    }
+  }
+}
+
+double Film::mean_luminance() const {
+  double sum = 0.0;
+  size_t count = 0;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const Tile& t = tiles_[i];
+    const std::lock_guard lock(locks_[i]);
+    for (int y = t.y; y < t.y + t.height; ++y) {
+      for (int x = t.x; x < t.x + t.width; ++x) {
+        const Pixel& p = pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) +
+                                 static_cast<size_t>(x)];
+        if (p.samples > 0) {
+          sum += luminance_sum(p) / p.samples;
+          ++count;
+        }
+      }
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+double Film::error() const {
+  const double mean = mean_luminance();
+  std::vector<float> errors;
+  errors.reserve(pixels_.size());
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const Tile& t = tiles_[i];
+    const std::lock_guard lock(locks_[i]);
+    for (int y = t.y; y < t.y + t.height; ++y) {
+      for (int x = t.x; x < t.x + t.width; ++x) {
+        const Pixel& p = pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) +
+                                 static_cast<size_t>(x)];
+        if (p.samples > 0) {
+          errors.push_back(static_cast<float>(
+              relative_error(luminance_sum(p) / p.samples, half_width(p), mean)));
+        }
+      }
+    }
+  }
+  return errors.empty() ? static_cast<double>(kInfinity) : picture_error(errors);
+}
+
+}  // namespace vernier

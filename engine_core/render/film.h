@@ -1,0 +1,115 @@
+// Where samples become a picture.
+//
+// Every pixel keeps float64 sums over its samples and, for the error estimate, over its batches
+// (see accuracy.h). Samples are placed by importance sampling the pixel filter, so each belongs to
+// one pixel alone and tiles need no borders.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "math/vec.h"
+#include "render/passes.h"
+
+namespace vernier {
+
+// A rectangle of pixels within the film, y upward.
+struct Tile {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+// What one sample delivers besides its colour; filled only where passes ask for it.
+struct PassSample {
+  float depth = 0;
+  Vec3f position, normal, uv;
+  Color diffuse_color, glossy_color, transmission_color;
+  std::array<Color, 3> direct, indirect;  // diffuse, glossy, transmission
+  Color emission, environment;
+  Vec3f denoising_normal;
+  Color denoising_albedo;
+};
+
+// Sums over the samples of one pixel in one batch.
+struct PixelBatch {
+  double r = 0, g = 0, b = 0, alpha = 0;
+  uint32_t samples = 0;
+
+  void add(Color c, float a) {
+    r += static_cast<double>(c.x), g += static_cast<double>(c.y), b += static_cast<double>(c.z);
+    alpha += static_cast<double>(a);
+    ++samples;
+  }
+};
+
+// A tile's pixels of one batch, on their way to the film. One per thread, reused.
+class TileBuffer {
+ public:
+  TileBuffer(PassSet passes, const Tile& tile);
+
+  PixelBatch& pixel(int x, int y) { return pixels_[index(x, y)]; }
+  // Adds a sample's passes; x and y are relative to the tile.
+  void add_passes(int x, int y, const PassSample& sample, bool first);
+
+ private:
+  friend class Film;
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(tile_.width) + static_cast<size_t>(x);
+  }
+  Tile tile_;
+  PassSet passes_;
+  std::vector<PixelBatch> pixels_;
+  std::vector<float> values_;  // by pixel: the channels of all sampled passes
+};
+
+class Film {
+ public:
+  // Throws std::bad_alloc when there is no memory for it.
+  Film(int width, int height, PassSet passes, float exposure);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  PassSet passes() const { return passes_; }
+  // All tiles, from the middle outward.
+  const std::vector<Tile>& tiles() const { return tiles_; }
+
+  // Adds a batch of samples of tile number `tile`. Threads may merge at the same time.
+  void merge(size_t tile, const TileBuffer& buffer);
+
+  // The current estimate of a pass over a rectangle, rows upward, channels interleaved, into `out`
+  // of width * height * channels floats. Pixels without samples are zero.
+  void read(Pass pass, const Tile& area, std::span<float> out) const;
+  // The picture's error by accuracy.h; infinite while no pixel has two batches.
+  double error() const;
+  // Mean luminance of the pixels that have samples, before exposure.
+  double mean_luminance() const;
+
+ private:
+  struct Pixel {
+    double r = 0, g = 0, b = 0, alpha = 0;
+    double luminance_squares = 0;  // sum over batches of n_b times the squared mean luminance
+    uint32_t samples = 0, batches = 0;
+  };
+  static constexpr int kTileSize = 32;
+
+  static double luminance_sum(const Pixel& p);
+  double half_width(const Pixel& p) const;
+  void read_pixel(Pass pass, size_t pixel, double mean, float* out) const;
+
+  int width_, height_;
+  PassSet passes_;
+  double exposure_;
+  std::vector<Tile> tiles_;
+  std::vector<Pixel> pixels_;
+  std::vector<float> values_;
+  mutable std::unique_ptr<std::mutex[]> locks_;  // by tile
+};
+
+// Number of floats that a sample's passes take per pixel, and the place of one pass among them.
+int sampled_channels(PassSet passes);
+int channel_offset(PassSet passes, Pass pass);
+
+}  // namespace vernier

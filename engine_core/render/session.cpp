@@ -1,0 +1,170 @@
+#include "render/session.h"
+
+#include <bit>
+#include <cmath>
+#include <exception>
+
+#include "math/float_environment.h"
+#include "math/parallel.h"
+#include "math/rng.h"
+
+namespace vernier {
+namespace {
+
+// Larger batches would make cancelling slow and change nothing.
+constexpr uint64_t kLargestBatch = 64;
+
+std::vector<uint32_t> plan_batches(uint64_t samples) {
+  std::vector<uint32_t> plan;
+  for (uint64_t total = 0; total < samples; total += plan.back()) {
+    const uint64_t size = std::min<uint64_t>(batch_samples(total), samples - total);
+    plan.push_back(static_cast<uint32_t>(size));
+  }
+  return plan;
+}
+
+}  // namespace
+
+uint32_t batch_samples(uint64_t total_before) {
+  const uint64_t size = std::bit_floor(std::max<uint64_t>(total_before / 4, 1));
+  return static_cast<uint32_t>(std::min(size, kLargestBatch));
+}
+
+Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes)
+    : scene_(std::move(scene)),
+      settings_(settings),
+      passes_(passes),
+      film_(scene_->film.crop[2] - scene_->film.crop[0], scene_->film.crop[3] - scene_->film.crop[1],
+            passes, scene_->film.exposure),
+      filter_(scene_->film.filter, scene_->film.filter_width),
+      kernel_(choose_kernel(settings, scene_->requirements, film_.passes())),
+      plan_(plan_batches(static_cast<uint64_t>(settings.samples))),
+      thread_count_(resolve_threads(settings.threads)),
+      stats_(static_cast<size_t>(thread_count_)),
+      rays_(static_cast<size_t>(thread_count_)),
+      changed_(film_.tiles().size(), false) {}
+
+Session::~Session() {
+  cancel();
+  for (std::thread& thread : threads_) {
+    thread.join();
+  }
+}
+
+void Session::start() {
+  start_ = Clock::now();
+  running_ = thread_count_;
+  for (int i = 0; i < thread_count_; ++i) {
+    threads_.emplace_back([this, i] { work(i); });
+  }
+}
+
+void Session::cancel() { cancelled_ = true; }
+
+double Session::elapsed() const {
+  const int64_t end = end_nanoseconds_;
+  if (end >= 0) {
+    return static_cast<double>(end) * 1e-9;
+  }
+  return std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+bool Session::next_job(uint64_t& batch, size_t& tile) {
+  if (cancelled_) {
+    return false;
+  }
+  if (settings_.time_limit > 0.0 && elapsed() >= settings_.time_limit) {
+    timed_out_ = true;
+    return false;
+  }
+  const uint64_t job = next_++;
+  batch = job / film_.tiles().size();
+  tile = static_cast<size_t>(job % film_.tiles().size());
+  return batch < plan_.size();
+}
+
+void Session::work(int thread) {
+  const FlushDenormals flush;
+  const RenderContext context{*scene_, settings_, filter_, cancelled_};
+  RenderStats& stats = stats_[static_cast<size_t>(thread)];
+  try {
+    uint64_t number = 0;
+    size_t tile_number = 0;
+    while (next_job(number, tile_number)) {
+      const Tile& tile = film_.tiles()[tile_number];
+      Batch batch;
+      batch.seed = hash64(hash64(static_cast<uint64_t>(settings_.seed)) + number);
+      batch.samples = plan_[number];
+      batch.first = number == 0;
+      TileBuffer buffer(film_.passes(), tile);
+      kernel_(context, batch, tile, buffer, film_.passes(), stats);
+      if (cancelled_) {
+        break;  // pixels of an unfinished tile would have a batch of another size
+      }
+      film_.merge(tile_number, buffer);
+      pixel_samples_ += static_cast<uint64_t>(batch.samples) *
+                        static_cast<uint64_t>(tile.width) * static_cast<uint64_t>(tile.height);
+      rays_[static_cast<size_t>(thread)] = stats.rays;
+      const std::lock_guard lock(mutex_);
+      changed_[tile_number] = true;
+    }
+  } catch (const std::exception& e) {
+    cancelled_ = true;
+    const std::lock_guard lock(mutex_);
+    error_message_ = e.what();
+  }
+  non_finite_ += stats.non_finite;
+  if (--running_ == 0) {
+    end_nanoseconds_ =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start_).count();
+    const std::lock_guard lock(mutex_);
+    finished_.notify_all();
+  }
+}
+
+bool Session::wait(double seconds) {
+  std::unique_lock lock(mutex_);
+  return finished_.wait_for(lock, std::chrono::duration<double>(seconds),
+                            [this] { return running_ == 0; });
+}
+
+Progress Session::poll(bool with_error) const {
+  Progress p;
+  const double pixels = static_cast<double>(film_.width()) * static_cast<double>(film_.height());
+  p.samples = static_cast<double>(pixel_samples_.load()) / pixels;
+  p.samples_target = settings_.samples;
+  p.seconds = elapsed();
+  for (const auto& rays : rays_) {
+    p.rays += rays;
+  }
+  p.non_finite = non_finite_;
+  p.done = running_ == 0;
+  p.cancelled = cancelled_;
+  p.error = with_error ? film_.error() : static_cast<double>(kInfinity);
+  double left = p.samples > 0.0 ? p.seconds * (p.samples_target / p.samples - 1.0)
+                                : static_cast<double>(kInfinity);
+  if (settings_.time_limit > 0.0) {
+    left = std::min(left, settings_.time_limit - p.seconds);
+  }
+  p.seconds_left = p.done ? 0.0 : std::max(left, 0.0);
+  return p;
+}
+
+std::vector<Tile> Session::take_tiles() {
+  std::vector<Tile> tiles;
+  const std::lock_guard lock(mutex_);
+  for (size_t i = 0; i < changed_.size(); ++i) {
+    if (changed_[i]) {
+      tiles.push_back(film_.tiles()[i]);
+      changed_[i] = false;
+    }
+  }
+  return tiles;
+}
+
+std::string Session::error_message() const {
+  const std::lock_guard lock(mutex_);
+  return error_message_;
+}
+
+}  // namespace vernier

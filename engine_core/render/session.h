@@ -1,0 +1,94 @@
+// A render in progress: its threads, its film, and what may be asked of it meanwhile.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "integrators/integrator.h"
+#include "render/film.h"
+#include "render/settings.h"
+#include "scene/scene.h"
+
+namespace vernier {
+
+// Samples of batch number `index`: batches grow with what has been rendered, so that the first
+// picture comes at once, later samples are stratified in large sets, and the error estimate always
+// has at least eight batches to go by once there are eight samples.
+uint32_t batch_samples(uint64_t total_before);
+
+struct Progress {
+  double samples = 0;          // per pixel, on average
+  double samples_target = 0;
+  double seconds = 0;
+  double seconds_left = 0;     // an estimate; infinite where there is none yet
+  double error = 0;            // of the picture (accuracy.h); infinite while unknown
+  uint64_t rays = 0;
+  uint64_t non_finite = 0;
+  bool done = false;
+  bool cancelled = false;
+};
+
+class Session {
+ public:
+  // Throws std::bad_alloc when the film does not fit into memory.
+  Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes);
+  // Cancels and waits for the threads.
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  void start();
+  // Asks the threads to stop; each does so within a pixel's samples.
+  void cancel();
+  // True when all threads have ended; waits at most `seconds`.
+  bool wait(double seconds);
+  // `with_error`: also compute the error, which reads the whole film.
+  Progress poll(bool with_error) const;
+  // Tiles that have changed since the last call.
+  std::vector<Tile> take_tiles();
+  // Empty, or why the render ended early.
+  std::string error_message() const;
+
+  const Film& film() const { return film_; }
+  const Scene& scene() const { return *scene_; }
+  int thread_count() const { return thread_count_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void work(int thread);
+  double elapsed() const;
+  bool next_job(uint64_t& batch, size_t& tile);
+
+  std::shared_ptr<const Scene> scene_;
+  Settings settings_;
+  PassSet passes_;
+  Film film_;
+  PixelFilter2d filter_;
+  RenderTile kernel_;
+  std::vector<uint32_t> plan_;     // samples of each batch
+  int thread_count_;
+  std::vector<std::thread> threads_;
+  std::vector<RenderStats> stats_;
+  std::vector<std::atomic<uint64_t>> rays_;
+  std::atomic<uint64_t> next_{0};  // job number: batch * tiles + tile
+  std::atomic<uint64_t> pixel_samples_{0};
+  std::atomic<uint64_t> non_finite_{0};
+  std::atomic<bool> cancelled_{false};
+  std::atomic<bool> timed_out_{false};
+  std::atomic<int> running_{0};
+  Clock::time_point start_;
+  std::atomic<int64_t> end_nanoseconds_{-1};
+  mutable std::mutex mutex_;
+  std::condition_variable finished_;
+  std::string error_message_;
+  std::vector<bool> changed_;
+};
+
+}  // namespace vernier

@@ -1,0 +1,172 @@
+#include "render/settings.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace vernier {
+namespace {
+
+constexpr std::array kIntegrators{
+    EnumItem{"PATH", "Path Tracing",
+             "Paths from the camera, lights sampled at every bounce: the robust choice"},
+    EnumItem{"WHITTED", "Whitted Ray Tracing",
+             "Classic recursive ray tracing: shadow rays, perfect reflection and refraction only"},
+};
+constexpr std::array kDirectLight{
+    EnumItem{"MIS", "Multiple Importance",
+             "Sample lights and materials, and weight both by the power heuristic"},
+    EnumItem{"LIGHT", "Lights", "Sample lights only"},
+    EnumItem{"BSDF", "Materials", "Sample materials only: lights are found by chance"},
+    EnumItem{"UNIFORM", "Uniform",
+             "Sample the hemisphere evenly: the naive path tracer, for comparison"},
+    EnumItem{"MIXTURE", "Mixture",
+             "One sample: toward a light with a fixed probability, else by the material"},
+};
+constexpr std::array kFilters{
+    EnumItem{"BOX", "Box", "Average over the filter's width"},
+    EnumItem{"GAUSSIAN", "Gaussian", "Gaussian bell"},
+    EnumItem{"BLACKMAN_HARRIS", "Blackman-Harris", "Smooth, with little ringing"},
+};
+
+constexpr double kMany = 2147483647.0;
+
+Parameter integer(std::string_view group, std::string_view name, int Settings::*member,
+                  double minimum, double maximum, double soft_minimum, double soft_maximum,
+                  std::string_view label, std::string_view description,
+                  std::string_view unit = "") {
+  return {name, group, label, description, unit, member, nullptr,
+          minimum, maximum, soft_minimum, soft_maximum, {}};
+}
+Parameter real(std::string_view group, std::string_view name, double Settings::*member,
+               double minimum, double maximum, double soft_minimum, double soft_maximum,
+               std::string_view label, std::string_view description, std::string_view unit = "") {
+  return {name, group, label, description, unit, nullptr, member,
+          minimum, maximum, soft_minimum, soft_maximum, {}};
+}
+Parameter choice(std::string_view group, std::string_view name, int Settings::*member,
+                 std::span<const EnumItem> items, std::string_view label,
+                 std::string_view description) {
+  return {name, group, label, description, "", member, nullptr,
+          0, static_cast<double>(items.size() - 1), 0, static_cast<double>(items.size() - 1),
+          items};
+}
+
+const std::array kParameters{
+    choice("sampling", "integrator", &Settings::integrator, kIntegrators, "Integrator",
+           "The method that finds the light's paths"),
+    integer("sampling", "samples", &Settings::samples, 1, 1 << 24, 1, 4096, "Samples",
+            "Samples per pixel"),
+    real("sampling", "time_limit", &Settings::time_limit, 0, 1e9, 0, 3600, "Time Limit",
+         "Stop after this time; 0: no limit. Whichever of samples and time ends first counts",
+         "s"),
+    integer("sampling", "seed", &Settings::seed, 0, kMany, 0, kMany, "Seed",
+            "Equal seeds give equal pictures"),
+    integer("performance", "threads", &Settings::threads, 0, 1024, 0, 64, "Threads",
+            "Threads to render with; 0: as many as the machine has"),
+    choice("sampling", "direct_light", &Settings::direct_light, kDirectLight, "Direct Light",
+           "How the light that reaches a surface directly is estimated; all agree in the limit"),
+    real("sampling", "light_fraction", &Settings::light_fraction, 0.001, 0.999, 0.01, 0.99,
+         "Light Fraction", "Probability of sampling toward a light with the mixture estimator"),
+    real("light_paths", "roulette_threshold", &Settings::roulette_threshold, 0, 1e6, 0, 1,
+         "Roulette Threshold",
+         "Paths that carry less than this may be ended by chance, without bias; 0: never"),
+    integer("light_paths", "roulette_start", &Settings::roulette_start, 0, 1 << 16, 0, 16,
+            "Roulette Start", "Bounces before Russian roulette begins"),
+    integer("light_paths", "max_bounces", &Settings::max_bounces, -1, 1 << 16, -1, 64,
+            "Total Bounces", "Longest path in bounces; -1: no limit, roulette alone ends a path"),
+    integer("light_paths", "diffuse_bounces", &Settings::diffuse_bounces, -1, 1 << 16, -1, 64,
+            "Diffuse Bounces", "Most diffuse reflections on a path; -1: no limit"),
+    integer("light_paths", "glossy_bounces", &Settings::glossy_bounces, -1, 1 << 16, -1, 64,
+            "Glossy Bounces", "Most glossy reflections on a path; -1: no limit"),
+    integer("light_paths", "transmission_bounces", &Settings::transmission_bounces, -1, 1 << 16,
+            -1, 64, "Transmission Bounces", "Most transmissions on a path; -1: no limit"),
+    integer("light_paths", "transparent_bounces", &Settings::transparent_bounces, -1, 1 << 16, -1,
+            64, "Transparent Bounces", "Most transparent surfaces passed; -1: no limit"),
+    real("light_paths", "clamp_direct", &Settings::clamp_direct, 0, 1e9, 0, 100, "Clamp Direct",
+         "Biased: limits what one sample adds to direct light; 0: off"),
+    real("light_paths", "clamp_indirect", &Settings::clamp_indirect, 0, 1e9, 0, 100,
+         "Clamp Indirect", "Biased: limits what one sample adds to indirect light; 0: off"),
+    integer("light_paths", "whitted_depth", &Settings::whitted_depth, 1, 64, 1, 32,
+            "Recursion Depth", "Deepest recursion of Whitted ray tracing"),
+    choice("film", "pixel_filter", &Settings::pixel_filter, kFilters, "Pixel Filter",
+           "Shape of the reconstruction filter"),
+    real("film", "filter_width", &Settings::filter_width, 0.01, 10, 0.5, 4, "Filter Width",
+         "Full width of the pixel filter", "px"),
+    real("film", "film_exposure", &Settings::film_exposure, 0, 1e6, 0, 10, "Exposure",
+         "Multiplies the picture's brightness"),
+};
+
+std::string format(double v) {
+  std::string text = std::to_string(v);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') {
+    text.pop_back();
+  }
+  return text;
+}
+
+double enum_value(const Parameter& p, const std::string& identifier) {
+  std::string known;
+  for (size_t i = 0; i < p.items.size(); ++i) {
+    if (p.items[i].identifier == identifier) {
+      return static_cast<double>(i);
+    }
+    known += (i == 0 ? "" : ", ") + std::string(p.items[i].identifier);
+  }
+  throw std::invalid_argument("setting " + std::string(p.name) + ": '" + identifier +
+                              "' is not one of " + known);
+}
+
+double number_value(const Parameter& p, const SettingValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    if (!p.items.empty()) {
+      return enum_value(p, *text);
+    }
+    throw std::invalid_argument("setting " + std::string(p.name) + ": '" + *text +
+                                "' is not a number");
+  }
+  if (!p.items.empty()) {
+    throw std::invalid_argument("setting " + std::string(p.name) +
+                                " takes one of its identifiers, not a number");
+  }
+  if (const auto* whole = std::get_if<int64_t>(&value)) {
+    return static_cast<double>(*whole);
+  }
+  const double v = std::get<double>(value);
+  if (p.integer != nullptr && v != std::floor(v)) {
+    throw std::invalid_argument("setting " + std::string(p.name) + ": " + format(v) +
+                                " is not a whole number");
+  }
+  return v;
+}
+
+}  // namespace
+
+std::span<const Parameter> parameters() { return kParameters; }
+
+Settings make_settings(const std::map<std::string, SettingValue>& values) {
+  Settings settings;
+  for (const auto& [name, value] : values) {
+    const Parameter* row = nullptr;
+    for (const Parameter& p : kParameters) {
+      row = p.name == name ? &p : row;
+    }
+    if (row == nullptr) {
+      throw std::invalid_argument("there is no setting named " + name);
+    }
+    const double v = number_value(*row, value);
+    if (!(v >= row->minimum && v <= row->maximum)) {
+      throw std::invalid_argument("setting " + name + ": " + format(v) + " is outside " +
+                                  format(row->minimum) + " to " + format(row->maximum));
+    }
+    if (row->integer != nullptr) {
+      settings.*(row->integer) = static_cast<int>(v);
+    } else {
+      settings.*(row->real) = v;
+    }
+  }
+  return settings;
+}
+
+}  // namespace vernier

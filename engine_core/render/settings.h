@@ -1,0 +1,64 @@
+// Every setting of a render, and the table that declares each once.
+//
+// The table's rows feed the add-on's properties, the command line, the checks here and the tests.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace vernier {
+
+enum class IntegratorKind : int { kPath, kWhitted };
+enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
+enum class PixelFilter : int { kBox, kGaussian, kBlackmanHarris };
+
+struct Settings {
+  int integrator = static_cast<int>(IntegratorKind::kPath);
+  int samples = 128;
+  double time_limit = 0.0;
+  int seed = 0;
+  int threads = 0;
+  int direct_light = static_cast<int>(DirectLight::kMis);
+  double light_fraction = 0.1;
+  double roulette_threshold = 1.0;
+  int roulette_start = 3;
+  int max_bounces = -1;
+  int diffuse_bounces = -1;
+  int glossy_bounces = -1;
+  int transmission_bounces = -1;
+  int transparent_bounces = -1;
+  double clamp_direct = 0.0;
+  double clamp_indirect = 0.0;
+  int whitted_depth = 16;
+  int pixel_filter = static_cast<int>(PixelFilter::kBlackmanHarris);
+  double filter_width = 1.5;
+  double film_exposure = 1.0;
+};
+
+struct EnumItem {
+  std::string_view identifier, label, description;
+};
+
+using SettingValue = std::variant<int64_t, double, std::string>;
+
+// One row of the table. Exactly one of the two members is set; an enum is an int with `items`.
+struct Parameter {
+  std::string_view name, group, label, description, unit;
+  int Settings::*integer = nullptr;
+  double Settings::*real = nullptr;
+  double minimum = 0, maximum = 0;            // of what is accepted
+  double soft_minimum = 0, soft_maximum = 0;  // of a slider
+  std::span<const EnumItem> items = {};
+};
+
+std::span<const Parameter> parameters();
+
+// Sets members by name: enums by identifier. Throws std::invalid_argument, in one sentence that
+// names the setting, for an unknown name, a value of the wrong type or one out of range.
+Settings make_settings(const std::map<std::string, SettingValue>& values);
+
+}  // namespace vernier

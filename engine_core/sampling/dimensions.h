@@ -1,0 +1,28 @@
+// Names of the sampler's dimensions.
+//
+// Every random decision of a path has its own pair of dimensions, so that a decision that is not
+// made leaves the others stratified, and an edit to one technique does not disturb another.
+#pragma once
+
+#include <cstdint>
+
+namespace vernier {
+
+enum class CameraDim : uint32_t { kFilter = 0, kLens = 1, kCount = 2 };
+
+// Pairs that each vertex of a path owns.
+enum class BounceDim : uint32_t {
+  kDirection = 0,     // the point within the lobe
+  kLobe = 1,          // x: which lobe; y: Russian roulette
+  kLightPoint = 2,    // the point on the light
+  kLightChoice = 3,   // x: which light; y: which estimator, where there is a choice
+  kCount = 4,
+};
+
+constexpr uint32_t dimension(CameraDim d) { return static_cast<uint32_t>(d); }
+constexpr uint32_t dimension(uint32_t bounce, BounceDim d) {
+  return static_cast<uint32_t>(CameraDim::kCount) +
+         bounce * static_cast<uint32_t>(BounceDim::kCount) + static_cast<uint32_t>(d);
+}
+
+}  // namespace vernier

@@ -1,0 +1,24 @@
+// From the description of a scene to the immutable Scene that is rendered.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "scene/description.h"
+#include "scene/scene.h"
+
+namespace vernier {
+
+struct CompileOptions {
+  int threads = 0;                  // 0: all there are
+  bool keep_uv = false;             // keep active UV maps for the UV pass, read by materials or not
+  std::function<bool()> cancelled;  // polled; may be empty
+};
+
+// `description` has passed validation (engine_core.validation): indices and sizes are trusted.
+// Throws std::invalid_argument naming what is wrong with a material's graph, std::runtime_error
+// when Embree fails or the call is cancelled.
+std::shared_ptr<const Scene> compile(const SceneDescription& description,
+                                     const CompileOptions& options);
+
+}  // namespace vernier

@@ -24,29 +24,29 @@ struct Receiver {
 
 // A light as a receiver sampled it. The estimator is f * radiance / pdf, before visibility.
 struct LightSample {
-  Vec3f wi;                    // unit, from the receiver to the light
-  float distance = 0;          // infinite for suns and the environment
-  Color radiance;              // toward the receiver; delta lights: what arrives, without density
-  float pdf = 0;               // solid angle, selection included; delta lights: the selection alone
-  float pdf_selection = 0;     // probability of the choice of this light
-  Vec3f p, p_error;            // the point on the light, and the bound of its rounding (finite ones)
-  Vec3f n;                     // unit normal of the light there, on the receiver's side
+  Vec3f wi;                 // unit, from the receiver to the light
+  float distance = 0;       // infinite for suns and the environment
+  Color radiance;           // toward the receiver; delta lights: what arrives, without density
+  float pdf = 0;            // solid angle, selection included; delta lights: the selection alone
+  float pdf_selection = 0;  // probability of the choice of this light
+  Vec3f p, p_error;         // the point on the light, and the bound of its rounding (finite ones)
+  Vec3f n;                  // unit normal of the light there, on the receiver's side
   uint32_t light = kNoIndex;
   uint32_t instance = kNoIndex, triangle = kNoIndex;  // of emissive triangles
-  uint32_t visibility = 0;     // Visibility bits: which lobes of the receiver it lights
-  bool delta = false;          // a direction that no other technique finds
-  bool hittable = false;       // scattered rays find it too; else its MIS weight is 1
-  bool cast_shadow = true;     // false: nothing is in the way
+  uint32_t visibility = 0;  // Visibility bits: which lobes of the receiver it lights
+  bool delta = false;       // a direction that no other technique finds
+  bool hittable = false;    // scattered rays find it too; else its MIS weight is 1
+  bool cast_shadow = true;  // false: nothing is in the way
 };
 
 // A light that a ray met: a lamp of finite size that the segment crosses (lamps do not block
 // rays), or a sun or the environment that an escaping ray ends in.
 struct LightHit {
   uint32_t light = kNoIndex;
-  float t = 0;                 // along the ray; infinite for suns and the environment
-  Color radiance;              // toward the ray's origin
-  float pdf = 0;               // solid-angle density of sample() from the receiver, selection
-                               // included; 0 without a receiver
+  float t = 0;     // along the ray; infinite for suns and the environment
+  Color radiance;  // toward the ray's origin
+  float pdf = 0;   // solid-angle density of sample() from the receiver, selection
+                   // included; 0 without a receiver
 };
 
 // Light as it leaves a light. The estimator of flux is
@@ -56,22 +56,22 @@ struct LightHit {
 // the product of the two densities is a density; the split is such that the reciprocal of each is
 // of the size of what it measures.
 struct EmissionSample {
-  Vec3f p, p_error;            // origin; suns and the environment: on the disk before the scene
-  Vec3f direction;             // unit, away from the light
-  Vec3f n;                     // unit normal of the light at p; lights without one: the direction
-  float cosine = 1;            // dot(n, direction) >= 0
-  Color radiance;              // delta_position: intensity; delta_direction: irradiance across it
-  float pdf_position = 0;      // area; 1 for delta_position
-  float pdf_direction = 0;     // solid angle; 1 for delta_direction
+  Vec3f p, p_error;         // origin; suns and the environment: on the disk before the scene
+  Vec3f direction;          // unit, away from the light
+  Vec3f n;                  // unit normal of the light at p; lights without one: the direction
+  float cosine = 1;         // dot(n, direction) >= 0
+  Color radiance;           // delta_position: intensity; delta_direction: irradiance across it
+  float pdf_position = 0;   // area; 1 for delta_position
+  float pdf_direction = 0;  // solid angle; 1 for delta_direction
   float pdf_selection = 0;
   // A soft lamp faces whatever it lights, so a line through it lights only what is farther than
   // this from p. What is hit nearer stays dark and ends the ray.
   float lit_from = 0;
   uint32_t light = kNoIndex;
   uint32_t instance = kNoIndex, triangle = kNoIndex;  // of emissive triangles
-  uint32_t visibility = 0;     // Visibility bits
+  uint32_t visibility = 0;                            // Visibility bits
   bool delta_position = false, delta_direction = false;
-  bool infinite = false;       // a sun or the environment
+  bool infinite = false;  // a sun or the environment
   bool cast_shadow = true;
 };
 

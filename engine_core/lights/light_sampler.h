@@ -21,7 +21,9 @@ namespace vernier {
 
 class Material;
 class Scene;
+struct Lamp;
 struct LightTable;
+struct ShapeSample;
 
 class LightSampler {
  public:
@@ -38,6 +40,9 @@ class LightSampler {
 
   // Number of lights that can be sampled; 0: sample() always fails.
   uint32_t count() const;
+  uint32_t emissive_triangle_count() const;
+  // Whether there is more than one light to choose from at finite places.
+  bool has_tree() const;
   // True where some lamp of finite size (or a sun or environment) can be met by rays of the kinds
   // in `mask`: otherwise for_each_lamp_hit (for_each_escape) has nothing to do.
   bool has_lamp_hits(uint32_t mask) const;
@@ -46,6 +51,8 @@ class LightSampler {
   // Chooses a light with u_select and a point on it with u. False where the choice has nothing for
   // this receiver: the sample's value is then zero.
   bool sample(const Receiver& from, float u_select, Vec2f u, LightSample& out) const;
+  // A point on the given light alone: the density is without the selection.
+  bool sample_light(const Receiver& from, uint32_t light, Vec2f u, LightSample& out) const;
 
   // Solid-angle densities, selection included, with which sample() makes a direction that meets...
   // ...an emissive triangle, at `distance` under |cos| `abs_cos` at the triangle;
@@ -60,14 +67,15 @@ class LightSampler {
   float pdf_selection(const Receiver& from, uint32_t light) const;
 
   // Calls f(const LightHit&) for every lamp that the ray of unit direction crosses before t_max, in
-  // no order. `mask` has the Visibility bit of the ray's kind. `from` is the receiver at its origin
-  // or null (camera rays, and after singular bounces).
+  // no order. `mask` has the Visibility bit of the ray's kind. `from` is the receiver that sampled
+  // the direction, `travelled` before the ray's origin (transparent surfaces lie between), or null
+  // (camera rays, and after singular bounces).
   template <class F>
-  void for_each_lamp_hit(const Receiver* from, const Ray& ray, uint32_t mask, F&& f) const {
-    const LampWalk walk(*this, ray, mask);
+  void for_each_lamp_hit(const Receiver* from, const Ray& ray, uint32_t mask, float travelled,
+                         F&& f) const {
     LightHit hit;
-    for (uint32_t lamp = 0; walk.next(lamp, hit);) {
-      hit.pdf = from ? pdf_lamp(*from, hit.light, ray.d, hit.t) : 0.0f;
+    for (uint32_t lamp = 0; next_lamp_hit(ray, mask, lamp, hit);) {
+      hit.pdf = from ? pdf_lamp(*from, hit.light, ray.d, travelled + hit.t) : 0.0f;
       f(static_cast<const LightHit&>(hit));
     }
   }
@@ -104,25 +112,18 @@ class LightSampler {
   bool is_infinite(uint32_t light) const;
 
  private:
-  // Steps through the lamps on a ray.
-  class LampWalk {
-   public:
-    LampWalk(const LightSampler& sampler, const Ray& ray, uint32_t mask)
-        : sampler_(sampler), ray_(ray), mask_(mask) {}
-    // The first hit at or after lamp number `lamp`, which moves past it.
-    bool next(uint32_t& lamp, LightHit& hit) const {
-      return sampler_.next_lamp_hit(ray_, mask_, lamp, hit);
-    }
-
-   private:
-    const LightSampler& sampler_;
-    const Ray& ray_;
-    uint32_t mask_;
-  };
-
+  // The first lamp hit at or after lamp number `lamp`, which moves past it; false: no more.
   bool next_lamp_hit(const Ray& ray, uint32_t mask, uint32_t& lamp, LightHit& hit) const;
   bool next_escape(Vec3f d, uint32_t mask, uint32_t flags, const PathDepth& depth, uint32_t& i,
                    LightHit& hit) const;
+  // Chooses a light: its number and probability; kNoIndex where nothing reaches the receiver.
+  uint32_t choose(const Receiver& from, float u, float& probability) const;
+  bool sample_triangle(uint32_t light, const Receiver& from, Vec2f u, LightSample& out) const;
+  bool sample_lamp(uint32_t light, const Receiver& from, Vec2f u, LightSample& out) const;
+  bool sample_environment(const Receiver& from, Vec2f u, LightSample& out) const;
+  void emit_triangle(uint32_t light, Vec2f u_position, Vec2f u_direction,
+                     EmissionSample& out) const;
+  Color lamp_radiance(const Lamp& lamp, const ShapeSample& shape) const;
   float pdf_lamp(const Receiver& from, uint32_t light, Vec3f wi, float distance) const;
   float pdf_distant(const Receiver& from, uint32_t light, Vec3f wi) const;
 

@@ -52,6 +52,12 @@ float pdf_cdf(std::span<const float> cdf, float x) {
 
 }  // namespace
 
+double extend_bits(float u) {
+  const double bits = std::floor(static_cast<double>(u) * 0x1p32);
+  const uint64_t more = hash64(static_cast<uint64_t>(bits)) >> 43;  // 21 bits: 53 in all
+  return (bits + static_cast<double>(more) * 0x1p-21) * 0x1p-32;
+}
+
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const float> weights)
     : cdf_(weights.size() + 1) {
   build_cdf(weights, cdf_);
@@ -137,18 +143,14 @@ AliasTable::AliasTable(std::span<const double> weights) {
   for (const uint32_t i : poor) {
     if (weights[i] == 0.0) {
       bins_[i].threshold = 0.0f;
-      bins_[i].alias = static_cast<uint32_t>(
-          std::max_element(weights.begin(), weights.end()) - weights.begin());
+      bins_[i].alias =
+          static_cast<uint32_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
     }
   }
 }
 
 uint32_t AliasTable::sample(float u) const {
-  // 24 bits of u would leave few for the second decision in a large table: they are continued by a
-  // hash of themselves.
-  const auto bits = static_cast<uint64_t>(static_cast<double>(u) * 0x1p32);
-  const double x = (static_cast<double>(bits) + static_cast<double>(hash64(bits) >> 40) * 0x1p-24) *
-                   0x1p-32 * static_cast<double>(bins_.size());
+  const double x = extend_bits(u) * static_cast<double>(bins_.size());
   const auto i = std::min(static_cast<size_t>(x), bins_.size() - 1);
   return x - static_cast<double>(i) < static_cast<double>(bins_[i].threshold)
              ? static_cast<uint32_t>(i)

@@ -12,6 +12,10 @@
 
 namespace vernier {
 
+// u in [0,1) continued beyond its 24 bits by a hash of them, for where many choices in a row are
+// made with one number.
+double extend_bits(float u);
+
 // A density on [0,1) that is constant on each of n equal cells.
 class PiecewiseConstant1D {
  public:
@@ -41,7 +45,7 @@ class PiecewiseConstant2D {
 
  private:
   int width_ = 0;
-  std::vector<float> rows_;      // width + 1 values per row
+  std::vector<float> rows_;  // width + 1 values per row
   PiecewiseConstant1D marginal_;
 };
 
@@ -60,7 +64,7 @@ class AliasTable {
 
  private:
   struct Bin {
-    float threshold = 1;    // part of the bin that stays with its own item
+    float threshold = 1;  // part of the bin that stays with its own item
     uint32_t alias = 0;
     float probability = 0;
   };

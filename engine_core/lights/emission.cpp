@@ -1,0 +1,239 @@
+// Light as it leaves the lights, for light tracing and photon maps.
+
+#include <cmath>
+
+#include "lights/area_lamp.h"
+#include "lights/lamp_coordinates.h"
+#include "lights/light_sampler.h"
+#include "lights/light_table.h"
+#include "lights/light_table_build.h"
+#include "lights/sphere_lamp.h"
+#include "lights/sun_lamp.h"
+#include "nodes/material.h"
+#include "scene/scene.h"
+
+namespace vernier {
+namespace {
+
+// 1 - cos of the cone about the axis into which a point or spot is sampled.
+float emission_cone(const Lamp& lamp) {
+  return lamp.kind == LightKind::kSpot ? lamp.one_minus_cos_spread : 2.0f;
+}
+
+// A spread area shines within a cone about its axis: sin^2 of the half angle.
+float emission_sine2(const Lamp& lamp) {
+  return lamp.spreads ? square(lamp.tan_half_spread) / (1.0f + square(lamp.tan_half_spread)) : 1.0f;
+}
+
+// A spherical lamp's direction is drawn first, then a point of the disk across it, which is moved
+// to the sphere: on it that is cos / (pi r^2) by area. Of the product of the densities the
+// position's is given as 1 / (4 pi r^2) and the direction's as the rest.
+EmissionPdf sphere_pdf(const Lamp& lamp, float cosine) {
+  const float direction = uniform_cone_pdf(emission_cone(lamp));
+  if (lamp.delta) {
+    return {1.0f, direction};
+  }
+  const float disk = kPi * square(lamp.radius);
+  return lamp.soft ? EmissionPdf{1.0f / disk, direction}
+                   : EmissionPdf{0.25f / disk, 4.0f * cosine * direction};
+}
+
+// Lines through a soft lamp at distance b < r from its centre light what is farther along them than
+// b^2 / sqrt(r^2 - b^2): from there the line meets the disk of radius r that faces the receiver.
+float soft_lit_from(float b2, float r2) {
+  const float rest = r2 - b2;
+  return rest > 0.0f ? b2 / std::sqrt(rest) : kInfinity;
+}
+
+void emit_sphere(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, EmissionSample& out,
+                 ShapeSample& shape) {
+  const Frame frame(lamp.axis);
+  out.direction =
+      normalize(frame.to_world(square_to_uniform_cone(u_direction, emission_cone(lamp))));
+  out.p = lamp.center;
+  out.n = out.direction;
+  out.delta_position = lamp.delta;
+  if (!lamp.delta) {
+    const Vec2f disk = square_to_disk(u_position);
+    const Frame across(out.direction);
+    const float rho2 = disk.x * disk.x + disk.y * disk.y;
+    const Vec3f offset = across.s * disk.x + across.t * disk.y;
+    if (lamp.soft) {
+      out.p = lamp.center + offset * lamp.radius;
+      out.lit_from = lamp.radius * soft_lit_from(rho2, 1.0f);
+    } else {
+      out.n = normalize(offset + out.direction * safe_sqrt(1.0f - rho2));
+      out.p = lamp.center + out.n * lamp.radius;
+      out.cosine = safe_sqrt(1.0f - rho2);
+    }
+  }
+  shape.factor = lamp.kind == LightKind::kSpot ? spot_attenuation(lamp, out.direction) : 1.0f;
+}
+
+void emit_area(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, EmissionSample& out,
+               ShapeSample& shape) {
+  const Vec2f q = lamp.ellipse ? square_to_disk(u_position)
+                               : Vec2f{2.0f * u_position.x - 1.0f, 2.0f * u_position.y - 1.0f};
+  out.p = lamp.center + lamp.axis_u * (q.x * lamp.half_u) + lamp.axis_v * (q.y * lamp.half_v);
+  out.n = lamp.axis;
+  out.delta_direction = lamp.delta;
+  if (lamp.delta) {
+    out.direction = lamp.axis;
+    shape.factor = 1.0f;
+    return;
+  }
+  const Vec2f d = square_to_disk(u_direction) * std::sqrt(emission_sine2(lamp));
+  const Vec3f local{d.x, d.y, safe_sqrt(1.0f - d.x * d.x - d.y * d.y)};
+  out.direction = normalize(Frame(lamp.axis).to_world(local));
+  out.cosine = local.z;
+  shape.factor = area_lamp_factor(lamp, -out.direction);
+}
+
+// The disk across the direction -d that lies before the scene's bounding sphere.
+void emit_from_afar(const LightTable& table, Vec2f u_position, Vec3f d, EmissionSample& out) {
+  const Vec2f disk = square_to_disk(u_position);
+  const Frame across(d);
+  out.direction = d;
+  out.n = d;
+  out.infinite = true;
+  out.p = table.center + (across.s * disk.x + across.t * disk.y - d) * table.radius;
+}
+
+float disk_density(const LightTable& table) {
+  return bounded_density(kInvPi / table.radius / table.radius);
+}
+
+EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n, Vec3f d) {
+  switch (lamp.kind) {
+    case LightKind::kPoint:
+    case LightKind::kSpot: {
+      EmissionPdf pdf = sphere_pdf(lamp, lamp.soft ? 1.0f : std::max(dot(n, d), 0.0f));
+      // Beyond the cone that a spot's directions are drawn from.
+      if (lamp.kind == LightKind::kSpot &&
+          0.5f * length_squared(d - lamp.axis) > lamp.one_minus_cos_spread) {
+        pdf.direction = 0.0f;
+      }
+      return pdf;
+    }
+    case LightKind::kArea: {
+      if (lamp.delta) {
+        return {1.0f / lamp.area, 1.0f};
+      }
+      const float cosine = dot(lamp.axis, d);
+      const float sine2 = emission_sine2(lamp);
+      const bool inside =
+          cosine > 0.0f && (!lamp.spreads || length_squared(cross(lamp.axis, d)) <= sine2);
+      return {1.0f / lamp.area, inside ? cosine * kInvPi / sine2 : 0.0f};
+    }
+    case LightKind::kSun:
+      return {disk_density(table), lamp.delta               ? 1.0f
+                                   : sun_contains(lamp, -d) ? pdf_sun(lamp)
+                                                            : 0.0f};
+  }
+  return {};
+}
+
+}  // namespace
+
+double LightSampler::total_power() const { return table_->total_power; }
+
+float LightSampler::pdf_emission_selection(uint32_t light) const {
+  return table_->emission.probability(light);
+}
+
+EmissionPdf LightSampler::pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f direction) const {
+  static_cast<void>(p);
+  const LightTable& table = *table_;
+  if (table.is_triangle(light)) {
+    // Either side with probability one half.
+    return {bounded_density(1.0f / triangle_area(table.triangles[light])),
+            0.5f * std::abs(dot(n, direction)) * kInvPi};
+  }
+  if (table.is_environment(light)) {
+    return {disk_density(table), table.environment.pdf_direction(-direction)};
+  }
+  return lamp_emission_pdf(table, table.lamp(light), n, direction);
+}
+
+bool LightSampler::sample_emission(float u_select, Vec2f u_position, Vec2f u_direction,
+                                   EmissionSample& out) const {
+  const LightTable& table = *table_;
+  if (table.emission.size() == 0) {
+    return false;
+  }
+  out = EmissionSample{};
+  out.light = table.emission.sample(u_select);
+  out.pdf_selection = table.emission.probability(out.light);
+  EmissionPdf pdf;
+  if (table.is_triangle(out.light)) {
+    emit_triangle(out.light, u_position, u_direction, out);
+    pdf = pdf_emission(out.light, out.p, out.n, out.direction);
+  } else if (table.is_environment(out.light)) {
+    emit_from_afar(table, u_position,
+                   -table.environment.sample_direction(u_direction, pdf.direction), out);
+    pdf.position = disk_density(table);
+    out.radiance = environment(-out.direction, 0, PathDepth{});
+    out.visibility = table.scene->world_visibility;
+  } else {
+    const Lamp& lamp = table.lamp(out.light);
+    ShapeSample shape;
+    switch (lamp.kind) {
+      case LightKind::kPoint:
+      case LightKind::kSpot:
+        emit_sphere(lamp, u_position, u_direction, out, shape);
+        break;
+      case LightKind::kArea:
+        emit_area(lamp, u_position, u_direction, out, shape);
+        break;
+      case LightKind::kSun:
+        sample_sun(lamp, u_direction, shape);
+        out.delta_direction = lamp.delta;
+        emit_from_afar(table, u_position, -shape.wi, out);
+        break;
+    }
+    shape.wi = -out.direction;
+    shape.p = out.p;
+    shape.n = out.n;
+    out.radiance = shape.factor > 0.0f ? lamp_radiance(lamp, shape) : Color{};
+    out.p_error = gamma(8) * (abs(lamp.center) + abs(out.p - lamp.center));
+    out.visibility = lamp.visibility;
+    out.cast_shadow = lamp.cast_shadow;
+    pdf = lamp_emission_pdf(table, lamp, out.n, out.direction);
+  }
+  out.pdf_position = pdf.position;
+  out.pdf_direction = pdf.direction;
+  return out.pdf_position > 0.0f && out.pdf_direction > 0.0f && out.cosine > 0.0f &&
+         !is_black(out.radiance);
+}
+
+void LightSampler::emit_triangle(uint32_t light, Vec2f u_position, Vec2f u_direction,
+                                 EmissionSample& out) const {
+  const TriangleLight& triangle = table_->triangles[light];
+  const Vec2f b = square_to_triangle(u_position);
+  // The lower half of u.x is one side, the upper the other.
+  const bool back = u_direction.x >= 0.5f;
+  u_direction.x = std::min(2.0f * u_direction.x - (back ? 1.0f : 0.0f), kOneMinusEpsilon);
+  const Vec3f normal = normalize(cross(triangle.e1, triangle.e2));
+  out.n = back ? -normal : normal;
+  const Vec3f local = square_to_cosine_hemisphere(u_direction);
+  out.direction = normalize(Frame(out.n).to_world(local));
+  out.cosine = local.z;
+  out.p = triangle.v0 + triangle.e1 * b.x + triangle.e2 * b.y;
+  out.p_error = gamma(8) * (abs(triangle.v0) + abs(triangle.e1) + abs(triangle.e2));
+  out.instance = triangle.instance;
+  out.triangle = triangle.triangle;
+  out.visibility = table_->scene->instances[triangle.instance].visibility;
+  const MaterialTraits& traits = triangle.material->traits();
+  if (traits.emission_constant) {
+    out.radiance = bounded_radiance(traits.average_emission);
+    return;
+  }
+  // The point as a viewer at one unit along the direction would meet it.
+  SurfacePoint point =
+      table_->scene->surface_point(Ray{out.p + out.direction, -out.direction, kInfinity},
+                                   Hit{1.0f, b.x, b.y, triangle.instance, triangle.triangle});
+  point.ray_flags = 0;
+  out.radiance = bounded_radiance(triangle.material->emission(point));
+}
+
+}  // namespace vernier

@@ -1,0 +1,47 @@
+#include "lights/environment.h"
+
+#include <vector>
+
+#include "lights/lamp.h"
+
+namespace vernier {
+
+EnvironmentMap::EnvironmentMap(int resolution, const std::function<Color(Vec3f)>& radiance)
+    : uniform_(false) {
+  // Four points to a cell: what is smaller than a cell, such as a sun, is less often missed.
+  const int fine = 2 * resolution;
+  std::vector<float> cells(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
+  double sum = 0.0;
+  for (int y = 0; y < fine; ++y) {
+    for (int x = 0; x < fine; ++x) {
+      const Vec2f p{(static_cast<float>(x) + 0.5f) / static_cast<float>(fine),
+                    (static_cast<float>(y) + 0.5f) / static_cast<float>(fine)};
+      const float value =
+          0.25f *
+          average(bounded_radiance(abs(radiance(normalize(square_to_sphere_equal_area(p))))));
+      if (value > 0.0f) {
+        cells[static_cast<size_t>(y / 2) * static_cast<size_t>(resolution) +
+              static_cast<size_t>(x / 2)] += value;
+        sum += static_cast<double>(value);
+      }
+    }
+  }
+  mean_ = static_cast<float>(sum / static_cast<double>(cells.size()));
+  map_ = PiecewiseConstant2D(cells, resolution, resolution);
+}
+
+Vec3f EnvironmentMap::sample_direction(Vec2f u, float& pdf) const {
+  if (uniform_) {
+    pdf = kInvFourPi;
+    return square_to_uniform_sphere(u);
+  }
+  const Vec2f p = map_.sample(u, pdf);
+  pdf *= kInvFourPi;
+  return normalize(square_to_sphere_equal_area(p));
+}
+
+float EnvironmentMap::pdf_direction(Vec3f wi) const {
+  return uniform_ ? kInvFourPi : map_.pdf(sphere_to_square_equal_area(wi)) * kInvFourPi;
+}
+
+}  // namespace vernier

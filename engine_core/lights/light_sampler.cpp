@@ -1,0 +1,406 @@
+#include "lights/light_sampler.h"
+
+#include <cmath>
+
+#include "lights/area_lamp.h"
+#include "lights/lamp_coordinates.h"
+#include "lights/light_table.h"
+#include "lights/light_table_build.h"
+#include "lights/sphere_lamp.h"
+#include "lights/sun_lamp.h"
+#include "math/distribution.h"
+#include "nodes/material.h"
+#include "scene/scene.h"
+
+namespace vernier {
+namespace {
+
+// Share of the choice between the tree and the distant lights that is even: their irradiances know
+// nothing of walls, and a lamp in a room must not starve beside the sun outside.
+constexpr float kEvenShare = 0.2f;
+
+// Rough irradiance from a distant light, on the scale of the tree's.
+float distant_importance(const LightTable& table, size_t i, const Receiver& from) {
+  const uint32_t light = table.distant[i];
+  const float irradiance = table.distant_irradiance[i];
+  if (table.is_environment(light)) {
+    return irradiance;
+  }
+  const Lamp& lamp = table.lamp(light);
+  const float cos_ns = -dot(lamp.axis, from.ns);
+  if (from.transmits) {
+    return irradiance * std::max(std::abs(cos_ns), kImportanceCosineFloor);
+  }
+  const float cos_ng = -dot(lamp.axis, from.ng);
+  // The sine of the sun's half angle: how far below the horizon its centre may be.
+  const float sine = safe_sqrt(lamp.one_minus_cos_sun * (2.0f - lamp.one_minus_cos_sun)) + gamma(8);
+  return std::max(cos_ng, cos_ns) > -sine ? irradiance * std::max(cos_ns, kImportanceCosineFloor)
+                                          : 0.0f;
+}
+
+// The alternatives of the first choice: distant lights in their order, then the tree.
+struct FirstChoice {
+  float sum = 0;
+  uint32_t alternatives = 0;
+  float tree = 0;
+
+  FirstChoice(const LightTable& table, const Receiver& from) {
+    for (size_t i = 0; i < table.distant.size(); ++i) {
+      add(distant_importance(table, i, from));
+    }
+    tree = table.tree.importance(from);
+    add(tree);
+  }
+  void add(float importance) {
+    sum += importance;
+    alternatives += importance > 0.0f ? 1 : 0;
+  }
+  float probability(float importance) const {
+    return importance > 0.0f ? lerp(importance / sum, 1.0f / static_cast<float>(alternatives),
+                                    alternatives > 1 ? kEvenShare : 0.0f)
+                             : 0.0f;
+  }
+};
+
+}  // namespace
+
+LightSampler::LightSampler(const Scene& scene, std::span<const LightDesc> lamps,
+                           std::vector<std::unique_ptr<Material>> lamp_shaders,
+                           std::vector<std::string>& warnings, int environment_resolution)
+    : table_(build_light_table(scene, lamps, std::move(lamp_shaders), warnings,
+                               environment_resolution)) {}
+
+LightSampler::~LightSampler() = default;
+
+uint32_t LightSampler::count() const { return table_->count(); }
+
+uint32_t LightSampler::emissive_triangle_count() const { return table_->first_lamp(); }
+
+bool LightSampler::has_tree() const { return count() > table_->distant.size() + 1; }
+
+bool LightSampler::has_lamp_hits(uint32_t mask) const {
+  return (table_->visible_lamps & mask) != 0;
+}
+
+bool LightSampler::has_escapes(uint32_t mask) const {
+  const Material* world = table_->scene->world.get();
+  const bool sees_world =
+      world && world->traits().is_emissive && (table_->scene->world_visibility & mask) != 0;
+  return sees_world || (table_->visible_suns & mask) != 0;
+}
+
+uint32_t LightSampler::light_of_triangle(uint32_t instance, uint32_t triangle) const {
+  return table_->triangle_index.find(instance, triangle);
+}
+
+uint32_t LightSampler::light_of_environment() const {
+  return table_->has_environment ? table_->environment_light() : kNoIndex;
+}
+
+bool LightSampler::is_delta(uint32_t light) const {
+  return !table_->is_triangle(light) && !table_->is_environment(light) && table_->lamp(light).delta;
+}
+
+bool LightSampler::is_infinite(uint32_t light) const {
+  return !table_->is_triangle(light) &&
+         (table_->is_environment(light) || table_->lamp(light).kind == LightKind::kSun);
+}
+
+uint32_t LightSampler::choose(const Receiver& from, float u, float& probability) const {
+  const LightTable& table = *table_;
+  if (table.count() == 1) {
+    probability = 1.0f;
+    return 0;
+  }
+  const FirstChoice first(table, from);
+  if (first.alternatives == 0) {
+    return kNoIndex;
+  }
+  double rest = extend_bits(u);
+  for (size_t i = 0; i < table.distant.size(); ++i) {
+    const float p = first.probability(distant_importance(table, i, from));
+    // The last alternative takes what rounding leaves.
+    const bool last = first.tree == 0.0f && i + 1 == table.distant.size();
+    if (p > 0.0f && (rest < static_cast<double>(p) || last)) {
+      probability = p;
+      return table.distant[i];
+    }
+    rest -= static_cast<double>(p);
+  }
+  const float p = first.probability(first.tree);
+  if (!(p > 0.0f)) {
+    return kNoIndex;
+  }
+  const double u_tree = rest / static_cast<double>(p);
+  const uint32_t light =
+      table.tree.sample(from, u_tree < 1.0 ? u_tree : 0x1.fffffffffffffp-1, probability);
+  probability *= p;
+  return probability > 0.0f ? light : kNoIndex;
+}
+
+float LightSampler::pdf_selection(const Receiver& from, uint32_t light) const {
+  const LightTable& table = *table_;
+  if (table.count() == 1) {
+    return 1.0f;
+  }
+  const FirstChoice first(table, from);
+  for (size_t i = 0; i < table.distant.size(); ++i) {
+    if (table.distant[i] == light) {
+      return first.probability(distant_importance(table, i, from));
+    }
+  }
+  const float p = first.probability(first.tree);
+  return p > 0.0f ? p * table.tree.pdf(from, light) : 0.0f;
+}
+
+bool LightSampler::sample(const Receiver& from, float u_select, Vec2f u, LightSample& out) const {
+  const LightTable& table = *table_;
+  if (table.count() == 0) {
+    return false;
+  }
+  float selection = 0.0f;
+  const uint32_t light = choose(from, u_select, selection);
+  if (light == kNoIndex || !sample_light(from, light, u, out)) {
+    return false;
+  }
+  out.pdf_selection = selection;
+  out.pdf *= selection;
+  return out.pdf > 0.0f;
+}
+
+bool LightSampler::sample_light(const Receiver& from, uint32_t light, Vec2f u,
+                                LightSample& out) const {
+  out = LightSample{};
+  out.light = light;
+  out.pdf_selection = 1.0f;
+  const bool found = table_->is_triangle(light)      ? sample_triangle(light, from, u, out)
+                     : table_->is_environment(light) ? sample_environment(from, u, out)
+                                                     : sample_lamp(light, from, u, out);
+  return found && !is_black(out.radiance) && out.pdf > 0.0f;
+}
+
+bool LightSampler::sample_triangle(uint32_t light, const Receiver& from, Vec2f u,
+                                   LightSample& out) const {
+  const TriangleLight& triangle = table_->triangles[light];
+  TriangleSample s;
+  if (!sample_triangle_light(triangle, from.p, u, s)) {
+    return false;
+  }
+  out.wi = s.shape.wi;
+  out.distance = s.shape.distance;
+  out.p = s.shape.p;
+  out.p_error = gamma(8) * (abs(triangle.v0) + abs(triangle.e1) + abs(triangle.e2));
+  out.n = s.shape.n;
+  out.pdf = s.shape.pdf;
+  out.instance = triangle.instance;
+  out.triangle = triangle.triangle;
+  out.visibility = table_->scene->instances[triangle.instance].visibility;
+  out.hittable = true;
+  const MaterialTraits& traits = triangle.material->traits();
+  if (traits.emission_constant) {
+    out.radiance = bounded_radiance(traits.average_emission);
+  } else {
+    SurfacePoint point = table_->scene->surface_point(
+        Ray{from.p, out.wi, kInfinity},
+        Hit{out.distance, s.b1, s.b2, triangle.instance, triangle.triangle});
+    point.ray_flags = 0;
+    out.radiance = bounded_radiance(triangle.material->emission(point));
+  }
+  return true;
+}
+
+Color LightSampler::lamp_radiance(const Lamp& lamp, const ShapeSample& shape) const {
+  if (!lamp.shader) {
+    return bounded_radiance(lamp.radiance * shape.factor);
+  }
+  SurfacePoint point;
+  point.scene = table_->scene;
+  point.p = shape.p;
+  point.ng = point.ns = shape.n;
+  point.wo = -shape.wi;
+  const Vec2f uv = lamp_coordinates(lamp, shape);
+  point.u = uv.x;
+  point.v = uv.y;
+  point.ray_length = lamp.kind == LightKind::kSun ? 0.0f : shape.distance;
+  point.ray_flags = 0;  // as Cycles: a lamp's shader knows no kind of ray
+  return bounded_radiance(lamp.radiance * lamp.shader->emission(point) * shape.factor);
+}
+
+bool LightSampler::sample_lamp(uint32_t light, const Receiver& from, Vec2f u,
+                               LightSample& out) const {
+  const Lamp& lamp = table_->lamp(light);
+  ShapeSample s;
+  switch (lamp.kind) {
+    case LightKind::kPoint:
+    case LightKind::kSpot:
+      if (!sample_sphere_lamp(lamp, from, u, s)) {
+        return false;
+      }
+      break;
+    case LightKind::kArea:
+      if (!sample_area_lamp(lamp, from, u, s)) {
+        return false;
+      }
+      break;
+    case LightKind::kSun:
+      if (!sample_sun(lamp, u, s)) {
+        return false;
+      }
+      break;
+  }
+  out.wi = s.wi;
+  out.distance = s.distance;
+  out.radiance = lamp_radiance(lamp, s);
+  out.pdf = s.pdf;
+  out.p = s.p;
+  out.p_error = gamma(8) * (abs(lamp.center) + abs(s.p - lamp.center) + abs(from.p));
+  out.n = s.n;
+  out.visibility = lamp.visibility;
+  out.delta = lamp.delta;
+  out.hittable = lamp.hittable;
+  out.cast_shadow = lamp.cast_shadow;
+  return true;
+}
+
+bool LightSampler::sample_environment(const Receiver& from, Vec2f u, LightSample& out) const {
+  out.wi = table_->environment.sample(from, u, out.pdf);
+  if (!(out.pdf > 0.0f)) {
+    return false;
+  }
+  out.distance = kInfinity;
+  out.n = -out.wi;
+  out.radiance = environment(out.wi, 0, PathDepth{});
+  out.visibility = table_->scene->world_visibility;
+  out.hittable = true;
+  return true;
+}
+
+float LightSampler::pdf_triangle(const Receiver& from, uint32_t instance, uint32_t triangle,
+                                 Vec3f wi, float distance, float abs_cos) const {
+  static_cast<void>(wi);
+  const uint32_t light = light_of_triangle(instance, triangle);
+  if (light == kNoIndex) {
+    return 0.0f;
+  }
+  const float selection = pdf_selection(from, light);
+  return selection > 0.0f
+             ? selection * pdf_triangle_light(table_->triangles[light], from.p, distance, abs_cos)
+             : 0.0f;
+}
+
+float LightSampler::pdf_environment(const Receiver& from, Vec3f wi) const {
+  return table_->has_environment ? pdf_distant(from, table_->environment_light(), wi) : 0.0f;
+}
+
+float LightSampler::pdf_light(const Receiver& from, uint32_t light, Vec3f wi, float distance,
+                              Vec3f n) const {
+  if (table_->is_triangle(light)) {
+    return pdf_selection(from, light) *
+           pdf_triangle_light(table_->triangles[light], from.p, distance, std::abs(dot(n, wi)));
+  }
+  return is_infinite(light) ? pdf_distant(from, light, wi) : pdf_lamp(from, light, wi, distance);
+}
+
+float LightSampler::pdf_lamp(const Receiver& from, uint32_t light, Vec3f wi, float distance) const {
+  const Lamp& lamp = table_->lamp(light);
+  const float selection = lamp.delta ? 0.0f : pdf_selection(from, light);
+  if (!(selection > 0.0f)) {
+    return 0.0f;
+  }
+  return selection * (lamp.kind == LightKind::kArea
+                          ? pdf_area_lamp(lamp, from.p, wi, distance)
+                          : pdf_sphere_lamp(lamp, from, view_sphere(lamp, from.p), wi));
+}
+
+float LightSampler::pdf_distant(const Receiver& from, uint32_t light, Vec3f wi) const {
+  if (table_->is_environment(light)) {
+    return table_->has_environment ? pdf_selection(from, light) * table_->environment.pdf(from, wi)
+                                   : 0.0f;
+  }
+  const Lamp& lamp = table_->lamp(light);
+  return sun_contains(lamp, wi) ? pdf_selection(from, light) * pdf_sun(lamp) : 0.0f;
+}
+
+Color LightSampler::environment(Vec3f d, uint32_t flags, const PathDepth& depth) const {
+  const Scene& scene = *table_->scene;
+  return scene.world && scene.world->traits().is_emissive
+             ? environment_radiance(scene, d, flags, depth)
+             : Color{};
+}
+
+bool LightSampler::next_lamp_hit(const Ray& ray, uint32_t mask, uint32_t& lamp_number,
+                                 LightHit& hit) const {
+  const LightTable& table = *table_;
+  while (lamp_number < table.lamps.size()) {
+    const uint32_t light = table.first_lamp() + lamp_number;
+    const Lamp& lamp = table.lamps[lamp_number++];
+    const bool sees = (lamp.visibility & mask) != 0 &&
+                      (lamp.hittable || (mask & kVisibleCamera) != 0) && !lamp.delta;
+    if (!sees || lamp.kind == LightKind::kSun || is_black(lamp.radiance)) {
+      continue;
+    }
+    ShapeSample s;
+    s.wi = ray.d;
+    if (lamp.kind == LightKind::kArea) {
+      s.distance = intersect_area_lamp(lamp, ray.o, ray.d);
+      if (!(s.distance > 0.0f) || !(s.distance < ray.t_max)) {
+        continue;
+      }
+      s.factor = area_lamp_factor(lamp, ray.d);
+      s.n = lamp.axis;
+      s.p = ray.o + ray.d * s.distance;
+    } else {
+      const SphereView view = view_sphere(lamp, ray.o);
+      s.distance = intersect_sphere(lamp, view, ray.o, ray.d);
+      if (!(s.distance > 0.0f) || !(s.distance < ray.t_max)) {
+        continue;
+      }
+      s.factor = sphere_lamp_factor(lamp, view, ray.d);
+      s.p = ray.o + ray.d * s.distance;
+      const Vec3f outward = normalize(s.p - lamp.center);
+      s.n = lamp.soft ? -view.to_center : (view.inside ? -outward : outward);
+    }
+    if (!(s.factor > 0.0f)) {
+      continue;
+    }
+    hit.light = light;
+    hit.t = s.distance;
+    hit.radiance = lamp_radiance(lamp, s);
+    return true;
+  }
+  return false;
+}
+
+bool LightSampler::next_escape(Vec3f d, uint32_t mask, uint32_t flags, const PathDepth& depth,
+                               uint32_t& i, LightHit& hit) const {
+  const LightTable& table = *table_;
+  hit.t = kInfinity;
+  while (i < table.lamps.size()) {
+    const uint32_t light = table.first_lamp() + i;
+    const Lamp& lamp = table.lamps[i++];
+    if (lamp.kind != LightKind::kSun || !lamp.hittable || (lamp.visibility & mask) == 0 ||
+        !sun_contains(lamp, d)) {
+      continue;
+    }
+    ShapeSample s;
+    s.wi = d;
+    s.distance = kInfinity;
+    s.n = -d;
+    s.factor = 1.0f;
+    hit.light = light;
+    hit.radiance = lamp_radiance(lamp, s);
+    return true;
+  }
+  if (i == table.lamps.size()) {
+    ++i;
+    const Material* world = table.scene->world.get();
+    if (world && world->traits().is_emissive && (table.scene->world_visibility & mask) != 0) {
+      hit.light = table.environment_light();
+      hit.radiance = environment_radiance(*table.scene, d, flags, depth);
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace vernier

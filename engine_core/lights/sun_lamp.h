@@ -1,0 +1,32 @@
+// Suns: a disk of the sky of uniform radiance, or a single direction.
+#pragma once
+
+#include "lights/lamp.h"
+#include "lights/light_sample.h"
+#include "math/frame.h"
+#include "math/warp.h"
+
+namespace vernier {
+
+inline bool sun_contains(const Lamp& lamp, Vec3f wi) {
+  // |a - b|^2 = 2 (1 - cos) for unit vectors.
+  return !lamp.delta && 0.5f * length_squared(wi + lamp.axis) <= lamp.one_minus_cos_sun;
+}
+
+inline float pdf_sun(const Lamp& lamp) {
+  return bounded_density(uniform_cone_pdf(lamp.one_minus_cos_sun));
+}
+
+inline bool sample_sun(const Lamp& lamp, Vec2f u, ShapeSample& s) {
+  s.wi = lamp.delta
+             ? -lamp.axis
+             : normalize(
+                   Frame(-lamp.axis).to_world(square_to_uniform_cone(u, lamp.one_minus_cos_sun)));
+  s.distance = kInfinity;
+  s.n = -s.wi;
+  s.pdf = lamp.delta ? 1.0f : pdf_sun(lamp);
+  s.factor = 1.0f;
+  return true;
+}
+
+}  // namespace vernier

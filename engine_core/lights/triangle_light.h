@@ -1,0 +1,149 @@
+// Emissive triangles, which shine from both sides.
+//
+// A triangle that is large for its distance is sampled uniformly in its solid angle (Arvo 1995,
+// "Stratified Sampling of Spherical Triangles"), a distant one by its area. Which of the two
+// depends on the receiver's position alone.
+#pragma once
+
+#include "lights/lamp.h"
+#include "lights/light_sample.h"
+#include "math/warp.h"
+
+namespace vernier {
+
+// Above this solid angle (of at most 2 pi) the receiver nearly lies in the triangle and the angles
+// of the spherical triangle are lost to rounding.
+inline constexpr float kLargestSphericalTriangle = 6.2f;
+
+struct TriangleLight {
+  Vec3f v0, e1, e2;  // a corner and the edges from it, render space
+  const Material* material = nullptr;
+  uint32_t instance = 0, triangle = 0;
+};
+
+// Length of a vector that may be too short or long for its square.
+inline float safe_length(Vec3f v) {
+  const float scale = max_component(abs(v));
+  return scale > 0.0f ? scale * length(v / splat(scale)) : 0.0f;
+}
+
+inline float triangle_area(const TriangleLight& light) {
+  return 0.5f * safe_length(cross(light.e1, light.e2));
+}
+
+// The spherical triangle that a receiver sees.
+struct SphericalTriangle {
+  Vec3f a, b, c;  // unit, to the corners
+  float solid_angle = 0;
+};
+
+// True where the triangle is sampled by solid angle from p.
+inline bool view_triangle(const TriangleLight& light, Vec3f p, SphericalTriangle& view) {
+  const Vec3f a = light.v0 - p;
+  const Vec3f b = a + light.e1;
+  const Vec3f c = a + light.e2;
+  const float size2 = std::max(length_squared(light.e1), length_squared(light.e2));
+  // Closer than some three edges; farther away the density of area sampling varies little.
+  if (!(length_squared(a + b + c) < 81.0f * size2)) {
+    return false;
+  }
+  const float la = length(a), lb = length(b), lc = length(c);
+  if (!(std::min(la, std::min(lb, lc)) > 0.0f)) {
+    return false;
+  }
+  view.a = a / la;
+  view.b = b / lb;
+  view.c = c / lc;
+  // Van Oosterom and Strackee 1983. The triple product from the edges, which do not cancel.
+  const float triple = std::abs(dot(view.a, cross(light.e1 / lb, light.e2 / lc)));
+  view.solid_angle = 2.0f * std::atan2(triple, 1.0f + dot(view.a, view.b) + dot(view.a, view.c) +
+                                                   dot(view.b, view.c));
+  return view.solid_angle >= kSmallestSphericalSample &&
+         view.solid_angle <= kLargestSphericalTriangle;
+}
+
+// A unit vector in the plane of a and `toward`, perpendicular to the unit vector a.
+inline Vec3f perpendicular_toward(Vec3f a, Vec3f toward) {
+  return normalize(toward - a * dot(toward, a));
+}
+
+inline Vec3f sample_spherical_triangle(const SphericalTriangle& view, Vec2f u) {
+  const Vec3f n_ab = normalize(cross(view.a, view.b));
+  const Vec3f n_ac = normalize(cross(view.a, view.c));
+  const float cos_alpha = clamp(dot(n_ab, n_ac), -1.0f, 1.0f);
+  const float sin_alpha = std::min(length(cross(n_ab, n_ac)), 1.0f);
+  const float alpha = std::atan2(sin_alpha, cos_alpha);
+  const float cos_c = dot(view.a, view.b);
+  // The third corner of the triangle that holds the part u.x of the area (Arvo, figure 3).
+  const float phi = u.x * view.solid_angle - alpha;
+  const float s = std::sin(phi);
+  const float t = std::cos(phi);
+  const float k = t - cos_alpha;
+  const float l = s + sin_alpha * cos_c;
+  const float denominator = (l * s + k * t) * sin_alpha;
+  const float q = denominator == 0.0f
+                      ? 1.0f
+                      : clamp(((l * t - k * s) * cos_alpha - l) / denominator, -1.0f, 1.0f);
+  const Vec3f corner =
+      normalize(view.a * q + perpendicular_toward(view.a, view.c) * safe_sqrt(1.0f - q * q));
+  const float z = 1.0f - u.y * (1.0f - dot(corner, view.b));
+  return normalize(view.b * z + perpendicular_toward(view.b, corner) * safe_sqrt(1.0f - z * z));
+}
+
+struct TriangleSample {
+  ShapeSample shape;
+  float b1 = 0, b2 = 0;  // barycentric coordinates of the second and third corner
+};
+
+inline float pdf_triangle_area(const TriangleLight& light, float distance, float abs_cos) {
+  return bounded_density(distance * (distance / triangle_area(light)) /
+                         std::max(abs_cos, std::numeric_limits<float>::min()));
+}
+
+inline float pdf_triangle_light(const TriangleLight& light, Vec3f p, float distance,
+                                float abs_cos) {
+  SphericalTriangle view;
+  return view_triangle(light, p, view) ? 1.0f / view.solid_angle
+                                       : pdf_triangle_area(light, distance, abs_cos);
+}
+
+inline bool sample_triangle_light(const TriangleLight& light, Vec3f p, Vec2f u,
+                                  TriangleSample& out) {
+  ShapeSample& s = out.shape;
+  s.n = normalize(cross(light.e1, light.e2));
+  SphericalTriangle view;
+  const bool spherical = view_triangle(light, p, view);
+  const Vec3f to_corner = light.v0 - p;
+  if (spherical) {
+    s.wi = sample_spherical_triangle(view, u);
+    // Where the direction meets the triangle (Moller and Trumbore 1997).
+    const Vec3f h = cross(s.wi, light.e2);
+    const float determinant = dot(light.e1, h);
+    if (determinant == 0.0f) {
+      return false;
+    }
+    const Vec3f g = cross(to_corner, light.e1);
+    out.b1 = saturate(-dot(to_corner, h) / determinant);
+    out.b2 = clamp(-dot(s.wi, g) / determinant, 0.0f, 1.0f - out.b1);
+  } else {
+    const Vec2f b = square_to_triangle(u);
+    out.b1 = b.x;
+    out.b2 = b.y;
+  }
+  const Vec3f to = to_corner + light.e1 * out.b1 + light.e2 * out.b2;
+  s.distance = safe_length(to);
+  s.p = light.v0 + light.e1 * out.b1 + light.e2 * out.b2;
+  if (!spherical) {
+    s.wi = normalize(to);
+  }
+  const float cosine = dot(s.n, s.wi);
+  if (cosine > 0.0f) {
+    s.n = -s.n;
+  }
+  s.factor = 1.0f;
+  s.pdf =
+      spherical ? 1.0f / view.solid_angle : pdf_triangle_area(light, s.distance, std::abs(cosine));
+  return cosine != 0.0f && s.pdf > 0.0f;
+}
+
+}  // namespace vernier

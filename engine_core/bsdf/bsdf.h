@@ -13,21 +13,23 @@
 // cosine at l. What makes transport non-symmetric is applied here, once. With kRadiance eval()
 // gives F(wo, wi). With kImportance it gives F(wi, wo) |wi.ng| / |wo.ng|, which for one lobe of
 // normal ns is f |wi.ns| times Veach's factor |wo.ns wi.ng| / |wo.ng wi.ns| (Veach 1997, section
-// 5.3). As in Cycles, a path carries radiance over the squared index of refraction (basic
-// radiance): kRadiance does not scale at refraction and kImportance scales by the squared index of
-// wo's side over that of wi's side (section 5.2); their product is what physics asks for.
+// 5.3). As in Cycles, paths carry radiance over the squared index of refraction (basic radiance,
+// section 5.2): sampled refraction has weight 1 with kRadiance, and the squared index of wo's side
+// over that of wi's side with kImportance.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 
+#include "bsdf/lobe.h"
 #include "bsdf/params.h"
 #include "math/frame.h"
 #include "math/vec.h"
 #include "scene/surface_point.h"
 
 namespace vernier {
+
+struct SurfaceSide;
 
 enum class Transport : uint8_t { kRadiance, kImportance };
 
@@ -43,6 +45,9 @@ enum LobeBits : uint8_t {
   kLobeAny = 0xff,
 };
 
+// Whether a mask selects the events of these bits (0: there are none).
+constexpr bool permits(uint8_t mask, uint8_t bits) { return bits != 0 && (bits & ~mask) == 0; }
+
 // f includes |cos(wi, ns)| and all adjoint factors. Densities are per solid angle.
 struct BsdfEval {
   Color f;
@@ -52,18 +57,17 @@ struct BsdfEval {
 
 struct BsdfSample {
   Vec3f wi;
-  Color weight;           // f / pdf, over all lobes (singular: the sampled lobe's ratio)
-  float pdf = 0;          // solid angle; singular: the probability of the choice of the lobe
+  Color weight;   // f / pdf, over all lobes (singular: the sampled lobe's ratio)
+  float pdf = 0;  // solid angle; singular: the probability of the choice of the lobe
   float pdf_reverse = 0;
-  float eta = 1;          // index of the side wi is on over that of wo's side
-  uint8_t lobe = 0;       // LobeBits of the sampled event
+  float eta = 1;     // index of the side wi is on over that of wo's side
+  uint8_t lobe = 0;  // LobeBits of the sampled event
 };
 
 class Bsdf {
  public:
-  // What Cycles holds at most by default is 64; materials with more than 12 lobes are freaks.
+  // More than these and the weakest are dropped. (A Principled has at most eight.)
   static constexpr int kMaxLobes = 12;
-  static constexpr int kMaxLayers = 12;
 
   Bsdf() {}
 
@@ -123,9 +127,67 @@ class Bsdf {
   Color holdout;       // weight that makes the film transparent
 
  private:
-  uint8_t bits_ = 0;
-  bool smooth_ = false;
+  Lobe* add(LobeKind kind, Color weight, Vec3f normal);
+  Lobe* add_microfacet(LobeKind kind, Color weight, Vec3f normal, Distribution distribution,
+                       float roughness);
+  void add_thin_glass(Color weight, int above, Vec3f normal, const PrincipledParams& params);
+  void drop(int index);
+  Color attenuation(int layer) const;
+  float see_all(const SurfaceSide& side, RawArray<LobeSide, kMaxLobes>& seen) const;
+  float permitted_total(const RawArray<LobeSide, kMaxLobes>& seen, float transparent,
+                        uint8_t mask) const;
+  template <bool kReverse>
+  BsdfEval eval_lambert(Vec3f wi, Transport transport, uint8_t mask) const;
+  template <bool kReverse>
+  BsdfEval eval_all(Vec3f wi, Transport transport, uint8_t mask) const;
+  template <bool kReverse>
+  std::optional<BsdfSample> sample_any(float u_lobe, Vec2f u, Transport transport,
+                                       uint8_t mask) const;
+  template <bool kReverse>
+  std::optional<BsdfSample> sample_singular(int index, float u, float probability,
+                                            Transport transport, uint8_t mask) const;
+  template <bool kReverse>
+  std::optional<BsdfSample> sample_transparent(float probability, uint8_t mask) const;
+
+  Vec3f ng_, ns_, wo_;
+  float wo_cos_ = 1;  // wo.ng, at least its rounding error
+  float transparent_select_ = 0;
+  int count_ = 0;
   int overflow_ = 0;
+  uint8_t bits_ = 0;
+  bool backfacing_ = false;
+  bool smooth_ = false;
+  bool lambert_ = false;  // nothing but one plain diffuse lobe
+  RawArray<Lobe, kMaxLobes> lobes_;
+  RawArray<LobeSide, kMaxLobes> near_;  // from wo's side
 };
+
+// The commonest surface: one plain diffuse lobe.
+template <bool kReverse>
+inline BsdfEval Bsdf::eval_lambert(Vec3f wi, Transport transport, uint8_t mask) const {
+  const float wi_cos = dot(ng_, wi);
+  const Lobe& lobe = lobes_[0];
+  const bool radiance = transport == Transport::kRadiance;
+  const float light_cos = dot(lobe.normal, radiance ? wi : wo_);
+  if (!(wi_cos > 0.0f) || !permits(mask, bits_)) {
+    return {};
+  }
+  const float along = std::max(light_cos, 0.0f) * kInvPi;
+  BsdfEval result;
+  result.f = lobe.weight * (radiance ? along : along * (wi_cos / wo_cos_));
+  result.pdf = radiance ? along : wi_cos * kInvPi;
+  if constexpr (kReverse) {
+    result.pdf_reverse = radiance ? wo_cos_ * kInvPi : along;
+  }
+  return result;
+}
+
+inline BsdfEval Bsdf::eval(Vec3f wi, Transport transport, uint8_t mask) const {
+  return lambert_ ? eval_lambert<true>(wi, transport, mask) : eval_all<true>(wi, transport, mask);
+}
+
+inline BsdfEval Bsdf::eval_forward(Vec3f wi, Transport transport, uint8_t mask) const {
+  return lambert_ ? eval_lambert<false>(wi, transport, mask) : eval_all<false>(wi, transport, mask);
+}
 
 }  // namespace vernier

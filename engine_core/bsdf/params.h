@@ -31,7 +31,7 @@ struct GlossyParams {
   float anisotropy = 0.0f;  // [-0.99, 0.99]
   float rotation = 0.0f;
   Vec3f tangent;
-  Color color{1, 1, 1};     // for light scattered between facets; the weight holds the colour too
+  Color color{1, 1, 1};  // for light scattered between facets; the weight holds the colour too
 };
 
 // Metallic BSDF: a conductor, by its complex index or by Adobe's F82 tint.

@@ -1,0 +1,164 @@
+#include "bsdf/bsdf.h"
+
+#include <memory>
+
+#include "bsdf/layering.h"
+#include "bsdf/microfacet_lobe.h"
+#include "bsdf/normals.h"
+
+namespace vernier {
+
+void Bsdf::begin(const SurfacePoint& point) {
+  emission = transparency = holdout = Color{};
+  ng_ = point.ng;
+  ns_ = point.ns;
+  wo_ = point.wo;
+  wo_cos_ = std::max(dot(ng_, wo_), kUnitRoundoff);
+  backfacing_ = point.backfacing;
+  transparent_select_ = 0.0f;
+  count_ = overflow_ = 0;
+  bits_ = 0;
+  smooth_ = lambert_ = false;
+}
+
+// Removes a lobe that is no layer, and closes the gap.
+void Bsdf::drop(int index) {
+  for (int i = index + 1; i < count_; ++i) {
+    if (lobes_[i].above > index) {
+      --lobes_[i].above;
+    }
+    lobes_[i - 1] = lobes_[i];
+  }
+  --count_;
+}
+
+Lobe* Bsdf::add(LobeKind kind, Color weight, Vec3f normal) {
+  // As in Cycles: weights that are too small, and not numbers, add nothing.
+  constexpr float kCutoff = 1e-5f;
+  weight = min(max(weight, Color{}), splat(kMaxWeight));
+  const float strength = average(weight);
+  if (!(strength >= kCutoff)) {
+    return nullptr;
+  }
+  if (count_ == kMaxLobes) {
+    ++overflow_;
+    int weakest = -1;
+    float least = strength;
+    for (int i = 0; i < count_; ++i) {
+      if (!lobes_[i].is_layer && average(lobes_[i].weight) < least) {
+        least = average(lobes_[i].weight);
+        weakest = i;
+      }
+    }
+    if (weakest < 0) {
+      return nullptr;
+    }
+    drop(weakest);
+  }
+  Lobe* lobe = std::construct_at(&lobes_[count_++]);
+  lobe->kind = kind;
+  lobe->weight = weight;
+  lobe->normal = normal;
+  if (is_microfacet(kind)) {
+    lobe->corrected = !(normal == ng_);
+    if (kind != LobeKind::kRefraction) {
+      lobe->reflection_bits = kLobeGlossy | kLobeReflection;
+    }
+    if (kind != LobeKind::kReflection) {
+      lobe->transmission_bits = kLobeGlossy | kLobeTransmission;
+    }
+  } else {
+    lobe->reflection_bits = kLobeDiffuse | kLobeReflection;
+    if (!(normal == ns_)) {
+      lobe->bumped = true;
+      lobe->bump_alpha2 = bump_alpha2(normal, ns_);
+    }
+  }
+  return lobe;
+}
+
+Color Bsdf::attenuation(int layer) const {
+  if (layer < 0) {
+    return splat(1.0f);
+  }
+  Color below = splat(1.0f);
+  const SurfaceSide side{ng_, wo_, 1.0f};
+  see_lobe(lobes_[layer], attenuation(lobes_[layer].above), side, below);
+  return below;
+}
+
+float Bsdf::see_all(const SurfaceSide& side, RawArray<LobeSide, kMaxLobes>& seen) const {
+  RawArray<Color, kMaxLobes> below;
+  const float transparent = average(transparency);
+  float total = transparent;
+  for (int i = 0; i < count_; ++i) {
+    const Lobe& lobe = lobes_[i];
+    seen[i] = see_lobe(lobe, lobe.above < 0 ? splat(1.0f) : below[lobe.above], side, below[i]);
+    total += seen[i].select;
+  }
+  if (!(total > 0.0f)) {
+    return 0.0f;
+  }
+  const float scale = 1.0f / total;
+  for (int i = 0; i < count_; ++i) {
+    seen[i].select *= scale;
+  }
+  return transparent * scale;
+}
+
+void Bsdf::finish() {
+  transparency = min(transparency, splat(kMaxWeight));
+  const bool transparent = !is_black(transparency);
+  if (count_ == 1 && lobes_[0].kind == LobeKind::kLambert && !transparent && !lobes_[0].mirrored &&
+      !lobes_[0].bumped && lobes_[0].above < 0) {
+    lambert_ = smooth_ = true;
+    bits_ = lobes_[0].reflection_bits;
+    return;
+  }
+  transparent_select_ = see_all({ng_, wo_, 1.0f}, near_);
+  for (int i = 0; i < count_; ++i) {
+    bits_ |= lobes_[i].reflection_bits;
+    bits_ |= lobes_[i].transmission_bits;
+    smooth_ = smooth_ || !lobes_[i].singular;
+  }
+  if (transparent) {
+    bits_ |= kLobeSingular | kLobeTransparent;
+  }
+}
+
+Color Bsdf::albedo(uint8_t mask) const {
+  if (lambert_) {
+    return permits(mask, bits_) ? lobes_[0].weight : Color{};
+  }
+  Color sum = permits(mask, kLobeSingular | kLobeTransparent) ? transparency : Color{};
+  for (int i = 0; i < count_; ++i) {
+    const Lobe& lobe = lobes_[i];
+    const Vec3f n = near_[i].normal;
+    LobeAlbedo parts = lobe_albedo(lobe, dot(n, wo_), lobe.eta, lobe.film.ior);
+    Color part;
+    if (permits(mask, lobe.reflection_bits)) {
+      part += parts.r;
+    }
+    if (permits(mask, lobe.transmission_bits)) {
+      part += parts.t;
+    }
+    sum += near_[i].scale * (1.0f / near_[i].energy) * part;
+  }
+  return sum;
+}
+
+float Bsdf::mean_squared_roughness() const {
+  if (lambert_) {
+    return 1.0f;
+  }
+  float sum = 0.0f, total = transparent_select_;
+  for (int i = 0; i < count_; ++i) {
+    const Lobe& lobe = lobes_[i];
+    const bool rough = !is_microfacet(lobe.kind) && lobe.kind != LobeKind::kAshikhminShirley;
+    sum += near_[i].select * (lobe.singular ? 0.0f : (rough ? 1.0f : lobe.alpha_x * lobe.alpha_y));
+    total += near_[i].select;
+  }
+  return total > 0.0f ? sum / total : 0.0f;
+}
+
+}  // namespace vernier

@@ -19,7 +19,7 @@ def flattened(
     owner: bpy.types.Material | bpy.types.World | bpy.types.Light,
     tree: bpy.types.ShaderNodeTree,
 ) -> Iterator[bpy.types.ShaderNodeTree]:
-    """Yields `tree`, or the tree that Blender makes of it where it holds other than shader nodes."""
+    """Yields `tree`, or what Blender makes of it where it holds other than shader nodes."""
     inline = getattr(bpy.types, "InlineShaderNodes", None)
     if inline is None or not _needs_inlining(tree):
         yield tree

@@ -74,8 +74,16 @@ SPECIAL: dict[str, Callable[[bpy.types.Node], dict[str, ParamValue]]] = {
     "ShaderNodeNormal": output_direction,
 }
 
+
+def object_matrix(item: bpy.types.Object) -> dict[str, ParamValue]:
+    """The coordinate system of another object: rows of its 3x4 object-to-world matrix."""
+    rows = np.array(item.matrix_world, np.float32)[:3]
+    return {"object_to_world": np.ascontiguousarray(rows).reshape(-1)}
+
+
 # By the name of a pointer property: its form.
 POINTERS: dict[str, Callable[[bpy.types.bpy_struct], dict[str, ParamValue]]] = {
     "color_ramp": color_ramp,
     "mapping": curve_mapping,
+    "object": object_matrix,
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import bpy
 
 Constant = float | tuple[float, ...]
@@ -47,6 +49,6 @@ def convert_along(value: Constant, types: list[str]) -> Constant | None:
     families = [family(name) for name in types]
     if any(name not in ("VALUE", "VECTOR", "RGBA") for name in families):
         return None
-    for source, target in zip(families, families[1:], strict=False):
+    for source, target in pairwise(families):
         value = convert(value, source, target)
     return value

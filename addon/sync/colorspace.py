@@ -16,7 +16,7 @@ SRGB = {"sRGB", "sRGB OETF", "sRGB EOTF"}
 LINEAR = {"Linear Rec.709", "Linear", "Non-Color", "Raw", "scene_linear"}
 
 
-def to_scene_linear(pixels: NDArray[np.uint8], space: str) -> FloatArray | None:
+def to_scene_linear(pixels: NDArray[Any], space: str) -> FloatArray | None:
     """Converts bytes by Blender's OpenColorIO configuration; None: it cannot be done."""
     processor = _processor(space)
     if processor is None:
@@ -34,7 +34,7 @@ def to_scene_linear(pixels: NDArray[np.uint8], space: str) -> FloatArray | None:
 def _processor(space: str) -> Any:
     """OpenColorIO's CPU processor from `space` to scene linear; None: not to be had."""
     try:
-        import PyOpenColorIO as ocio
+        import PyOpenColorIO
     except ImportError:
         return None
     folder = bpy.utils.system_resource("DATAFILES", path="colormanagement")
@@ -42,9 +42,9 @@ def _processor(space: str) -> Any:
     if not path.is_file():
         return None
     try:
-        config = ocio.Config.CreateFromFile(str(path))
+        config = PyOpenColorIO.Config.CreateFromFile(str(path))
         return config.getProcessor(space, "scene_linear").getDefaultCPUProcessor()
-    except ocio.Exception:
+    except PyOpenColorIO.Exception:
         return None
 
 

@@ -41,6 +41,7 @@ class SyncOptions:
     """What the description takes from the engine's settings and the caller."""
 
     filter: str = "BLACKMAN_HARRIS"
+    filter_width: float | None = None  # pixels; None: the scene's own
     exposure: float = 1.0
     border: bool = True
     camera: bpy.types.Object | None = None  # evaluated; None: the scene's
@@ -105,7 +106,11 @@ class _Pass:
         frame = Frame.of(self.scene.render)
         result = SceneDescription(camera=self._camera(frame), world=self._world())
         options = self.options
-        result.film = read_film(self.scene, frame, options.filter, options.exposure, options.border)
+        result.film = read_film(self.scene, frame, options.border)
+        result.film.filter = options.filter
+        result.film.exposure = options.exposure
+        if options.filter_width is not None:
+            result.film.filter_width = options.filter_width
         collected = collect(self.depsgraph)
         if self.layer.use_solid:
             self._add_objects(collected, result)
@@ -176,16 +181,9 @@ class _Pass:
         slots = len(use.materials)
         # A mesh read for other materials may lack attributes: what was read is part of the key.
         key = (*use.mesh_key, f"{slots} slots", repr(sorted(reads)))
-        return self._meshes_get(key, use, reads, slots)
-
-    def _meshes_get(
-        self,
-        key: tuple[int | str, ...],
-        use: ObjectUse,
-        reads: frozenset[AttributeRead],
-        slots: int,
-    ) -> Mesh | None:
-        return self.meshes.get(key, lambda: read_mesh(use.data, use.name, reads, slots, self.report))
+        return self.meshes.get(
+            key, lambda: read_mesh(use.data, use.name, reads, slots, self.report)
+        )
 
     def _fill_instances(
         self,
@@ -227,9 +225,7 @@ class _Pass:
                 name = lamp.item.name
                 self.report.warn(f'light "{name}": its transform is not finite; it is left out')
                 continue
-            light = read_light(
-                lamp.item, lamp.matrix, lamp.visibility, graphs[key], self.report
-            )
+            light = read_light(lamp.item, lamp.matrix, lamp.visibility, graphs[key], self.report)
             if light is not None:
                 result.append(light)
         return result

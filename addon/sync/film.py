@@ -1,4 +1,4 @@
-"""The picture: size, border, pixel filter, exposure."""
+"""The picture: size, border, transparency."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from engine_core.description import Film
 from .camera import Frame
 
 
-def read_film(
-    scene: bpy.types.Scene, frame: Frame, filter_kind: str, exposure: float, border: bool = True
-) -> Film:
-    """Reads the film; `border` False renders the whole frame whatever the border."""
+def read_film(scene: bpy.types.Scene, frame: Frame, border: bool = True) -> Film:
+    """Reads what Blender itself knows; `border` False renders the whole frame whatever it is."""
     render = scene.render
     crop = (0, 0, frame.width, frame.height)
     if border and render.use_border:
@@ -20,16 +18,12 @@ def read_film(
         width=frame.width,
         height=frame.height,
         crop=crop,
-        filter=filter_kind,
         filter_width=float(render.filter_size),
-        exposure=exposure,
         transparent=bool(render.film_transparent),
     )
 
 
-def border_rectangle(
-    render: bpy.types.RenderSettings, frame: Frame
-) -> tuple[int, int, int, int]:
+def border_rectangle(render: bpy.types.RenderSettings, frame: Frame) -> tuple[int, int, int, int]:
     """x0, y0, x1, y1 of the border, rounded down as Blender's render pipeline does; y upward."""
     x0 = min(int(render.border_min_x * frame.width), frame.width - 1)
     y0 = min(int(render.border_min_y * frame.height), frame.height - 1)

@@ -9,7 +9,7 @@ Value = TypeVar("Value")
 
 
 class IdMap(Generic[Value]):
-    """A cache in two phases, as Cycles' `id_map` is: updates mark keys, then a pass asks for values.
+    """A cache in two phases, as Cycles' `id_map`: updates mark keys, then a pass asks for values.
 
     Keys are tuples whose members may be names or session identifiers of datablocks. Marking a
     session identifier drops every entry whose key contains it. What one pass did not ask for is

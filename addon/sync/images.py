@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -86,11 +87,11 @@ def _read_buffer(image: bpy.types.Image) -> Pixels | None:
     return _without_spare_channels(pixels.reshape(height, width, channels))
 
 
-def _without_spare_channels(pixels: Pixels) -> Pixels:
+def _without_spare_channels(pixels: NDArray[Any]) -> NDArray[Any]:
     """Drops an alpha of 1 everywhere, which Blender adds to files that have none."""
     if pixels.shape[2] == 2:  # grey and alpha
         pixels = pixels[:, :, (0, 0, 0, 1)]
-    opaque = 255 if pixels.dtype == np.uint8 else 1.0
+    opaque: float = 255 if pixels.dtype == np.uint8 else 1.0
     if pixels.shape[2] == 4 and (pixels[:, :, 3] == opaque).all():
         pixels = pixels[:, :, :3]
     return np.ascontiguousarray(pixels)
@@ -129,15 +130,15 @@ def _read_sequence(image: bpy.types.Image, frame: int, report: Report) -> Pixels
     """Reads one file of a sequence; Blender's Python shows only one frame of it."""
     path = _sequence_path(image, frame)
     try:
-        import OpenImageIO as oiio
+        import OpenImageIO
     except ImportError:
         report.warn(f'image "{image.name}": no module to read sequences; its first frame is used')
         return _read_buffer(image)
-    source = oiio.ImageBuf(str(path))
+    source = OpenImageIO.ImageBuf(str(path))
     if source.has_error or not source.spec().width:
         return None
-    eight_bit = source.spec().format == oiio.UINT8
-    data = source.get_pixels(oiio.UINT8 if eight_bit else oiio.FLOAT)
+    eight_bit = source.spec().format == OpenImageIO.UINT8
+    data = source.get_pixels(OpenImageIO.UINT8 if eight_bit else OpenImageIO.FLOAT)
     if data is None:
         return None
     pixels = np.ascontiguousarray(data[::-1])
@@ -153,6 +154,4 @@ def _sequence_path(image: bpy.types.Image, frame: int) -> Path:
     if digits is None:
         return path
     number = str(frame).zfill(len(digits.group(1)))
-    return path.with_name(
-        path.stem[: digits.start()] + number + digits.group(2) + path.suffix
-    )
+    return path.with_name(path.stem[: digits.start()] + number + digits.group(2) + path.suffix)

@@ -75,11 +75,10 @@ def _read_normals(mesh: bpy.types.Mesh, result: Mesh, report: Report) -> None:
 def _read_texture_space(mesh: bpy.types.Mesh, result: Mesh) -> None:
     """The box of generated coordinates: the undeformed mesh's, where that differs."""
     location, size = mesh.texspace_location, mesh.texspace_size
-    low = tuple(float(a - b) for a, b in zip(location, size, strict=True))
-    high = tuple(float(a + b) for a, b in zip(location, size, strict=True))
-    if all(np.isfinite(low)) and all(np.isfinite(high)):
-        result.texture_space_min = low
-        result.texture_space_max = high
+    low, high = location - size, location + size
+    if np.isfinite((*low, *high)).all():
+        result.texture_space_min = (low.x, low.y, low.z)
+        result.texture_space_max = (high.x, high.y, high.z)
 
 
 def _read_attributes(

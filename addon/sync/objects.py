@@ -81,9 +81,8 @@ def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
         result.use.append(number)
         matrix = instance.matrix_world
         result.matrices += (*matrix[0], *matrix[1], *matrix[2])
-        result.random.append(
-            (instance.random_id & 0xFFFFFFFF) / 0xFFFFFFFF if is_instance else name_random(item.name)
-        )
+        hashed = instance.random_id & 0xFFFFFFFF if is_instance else name_hash(item.name)
+        result.random.append(hashed / 0xFFFFFFFF)
     return result
 
 
@@ -122,8 +121,8 @@ def _object_use(
         mesh_key=keys.of(source, data),
         materials=materials_of(item, data),
         visibility=visibility,
-        color=tuple(float(x) for x in item.color),
-        location=tuple(float(x) for x in item.matrix_world.translation),
+        color=(*map(float, item.color),),  # type: ignore[arg-type]
+        location=(*map(float, item.matrix_world.translation),),  # type: ignore[arg-type]
         pass_index=float(item.pass_index),
         shadow_catcher=bool(item.is_shadow_catcher or parent.is_shadow_catcher),
         holdout=holdout,
@@ -153,25 +152,27 @@ class _MeshKeys:
 
     def of(self, item: bpy.types.Object, data: bpy.types.Mesh) -> tuple[int | str, ...]:
         original = data.original
-        if original is not None and original != data:
-            if original.evaluated_get(self._depsgraph).as_pointer() == data.as_pointer():
-                return ("mesh", original.session_uid)
         owner = item.original.session_uid
+        if original is None or original == data:
+            base = owner
+        else:
+            base = original.session_uid
+            if original.evaluated_get(self._depsgraph).as_pointer() == data.as_pointer():
+                return ("mesh", base)
         numbers = self._counts.setdefault(owner, {})
         number = numbers.setdefault(data.as_pointer(), len(numbers))
-        base = original.session_uid if original is not None and original != data else owner
         return ("object", owner, base, f"part {number}")
 
 
-def name_random(name: str) -> float:
-    """Object Info's random of an object that is no instance: a hash of its name, as in Cycles.
+def name_hash(name: str) -> int:
+    """Object Info's random of an object that is no instance, 32 bits: of its name, as in Cycles.
 
     The string hash is i * 37 + c; the mixing is `final` of Bob Jenkins' lookup3 (public domain).
     """
     text = 0
     for byte in name.encode():
         text = (text * 37 + byte) & 0xFFFFFFFF
-    return _hash_pair(text, 0) / 0xFFFFFFFF
+    return _hash_pair(text, 0)
 
 
 def _hash_pair(first: int, second: int) -> int:

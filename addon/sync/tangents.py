@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 import numpy as np
 from engine_core.description import Domain, FloatArray, Mesh
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 
 def tangents(mesh: bpy.types.Mesh, result: Mesh, uv_map: str) -> FloatArray:
@@ -53,16 +58,17 @@ def _weighted_tangents(mesh: bpy.types.Mesh, result: Mesh, uv_map: str) -> Float
     direction = _normalized(direction - normals * _dot(direction, normals))
     angle = np.arccos(np.clip(_dot(_normalized(ahead), _normalized(back)), -1.0, 1.0))
     keys = np.column_stack((vertices, normals.astype(np.float32), uv, orientation))
-    _, group = np.unique(keys, axis=0, return_inverse=True)
-    sums = np.zeros((group.max() + 1, 3))
-    np.add.at(sums, group.reshape(-1), direction * angle)
+    groups, group = np.unique(keys, axis=0, return_inverse=True)
+    group = group.reshape(-1)
+    sums = np.zeros((len(groups), 3))
+    np.add.at(sums, group, direction * angle)
     data = np.empty((len(vertices), 4), np.float32)
-    data[:, :3] = _normalized(sums)[group.reshape(-1)]
+    data[:, :3] = _normalized(sums)[group]
     data[:, 3] = orientation
     return data
 
 
-def _corner_normals(mesh: bpy.types.Mesh, result: Mesh, face: np.ndarray) -> np.ndarray:
+def _corner_normals(mesh: bpy.types.Mesh, result: Mesh, face: Array) -> Array:
     if result.normals is None:
         normals = np.empty((len(mesh.polygons), 3), np.float32)
         mesh.polygon_normals.foreach_get("vector", normals.reshape(-1))
@@ -72,11 +78,13 @@ def _corner_normals(mesh: bpy.types.Mesh, result: Mesh, face: np.ndarray) -> np.
     return normals.astype(np.float64)
 
 
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.einsum("ij,ij->i", a, b)[:, None]
+def _dot(a: Array, b: Array) -> Array:
+    products: Array = np.einsum("ij,ij->i", a, b)[:, None]
+    return products
 
 
-def _normalized(vectors: np.ndarray) -> np.ndarray:
+def _normalized(vectors: Array) -> Array:
     """Unit vectors; zero stays zero."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
+    result: Array = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
+    return result

@@ -1,19 +1,22 @@
 """Scene descriptions in files.
 
-A file is an npz archive (zip) of numpy arrays and one array `header` of bytes: JSON in UTF-8 that
-holds everything else, with `{"array": NAME}` where an array stands and `{"link": [node, output]}`
-where a link does. Nothing in a file is executed.
+A file is an npz archive (zip) of two arrays of bytes. `header` is JSON in UTF-8: the dataclasses'
+fields, with `{"array": [dtype, shape, offset]}` where an array stands and `{"link": [node, output]}`
+where a link does. `data` holds the arrays one after another. Nothing in a file is executed.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import os
 import types
 import typing
 import zipfile
+import zlib
 from enum import Enum
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +40,13 @@ def save(description: SceneDescription, path: str | os.PathLike[str]) -> None:
     """
     validate(description)
     path = Path(path)
-    arrays: dict[str, np.ndarray] = {}
-    tree = _encode(description, arrays)
+    writer = _Writer()
+    tree = writer.encode(description)
     header = json.dumps({"format": FORMAT, "version": VERSION, "scene": tree}).encode()
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
         with partial.open("wb") as file:
-            np.savez_compressed(file, header=np.frombuffer(header, np.uint8), **arrays)
+            np.savez_compressed(file, header=np.frombuffer(header, np.uint8), data=writer.data())
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
@@ -56,8 +59,7 @@ def load(path: str | os.PathLike[str]) -> SceneDescription:
         with np.load(path, allow_pickle=False) as archive:
             header = json.loads(archive["header"].tobytes().decode())
             _check_header(path, header)
-            arrays = {name: archive[name] for name in archive.files if name != "header"}
-        description = _decode(SceneDescription, header["scene"], arrays)
+            description = _Reader(archive["data"]).decode(SceneDescription, header["scene"])
         validate(description)
     except StorageError:
         raise
@@ -65,10 +67,16 @@ def load(path: str | os.PathLike[str]) -> SceneDescription:
         raise StorageError(f"{path.name} holds a scene that breaks a rule: {error}") from error
     except FileNotFoundError:
         raise
-    except (zipfile.BadZipFile, EOFError, OSError, ValueError, KeyError, TypeError) as error:
-        raise StorageError(
-            f"{path.name} is damaged or no scene of Vernier's ({error})"
-        ) from error
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        EOFError,
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+    ) as error:
+        raise StorageError(f"{path.name} is damaged or no scene of Vernier's ({error})") from error
     return typing.cast(SceneDescription, description)
 
 
@@ -82,69 +90,106 @@ def _check_header(path: Path, header: Any) -> None:
         )
 
 
-def _encode(value: Any, arrays: dict[str, np.ndarray]) -> Any:
-    """Turns a value into what JSON can hold; arrays are put aside."""
-    if isinstance(value, np.ndarray):
-        name = f"a{len(arrays)}"
-        arrays[name] = value
-        return {"array": name}
-    if isinstance(value, Link):
-        return {"link": [value.node, value.output]}
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        fields = dataclasses.fields(value)
-        return {field.name: _encode(getattr(value, field.name), arrays) for field in fields}
-    if isinstance(value, dict):
-        return {key: _encode(item, arrays) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_encode(item, arrays) for item in value]
-    if isinstance(value, Enum | np.integer):
-        return int(typing.cast(int, value))
-    if isinstance(value, np.floating):
-        return float(value)
-    return value
+# Arrays start at multiples of this many bytes, as their elements' alignment asks.
+_ALIGNMENT = 16
+# The dtypes of the description's arrays.
+_DTYPES = ("float32", "int32", "uint32", "uint8")
 
 
-def _decode(kind: Any, value: Any, arrays: dict[str, np.ndarray]) -> Any:
-    """Turns JSON back into a value of the type that a field declares."""
-    if isinstance(value, dict) and value.keys() == {"array"}:
-        return arrays[value["array"]]
-    if isinstance(value, dict) and value.keys() == {"link"}:
-        node, output = value["link"]
-        return Link(int(node), str(output))
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if dataclasses.is_dataclass(kind):
-        return _decode_fields(typing.cast(type, kind), value, arrays)
-    if origin in (typing.Union, types.UnionType):
-        return _decode_union(arguments, value, arrays)
-    if origin is list:
-        return [_decode(arguments[0], item, arrays) for item in _sequence(value)]
-    if origin is tuple:
-        return tuple(_sequence(value))
-    if origin is dict:
-        if not isinstance(value, dict):
-            raise TypeError("a table is missing")
-        return {str(key): _decode(arguments[1], item, arrays) for key, item in value.items()}
-    if isinstance(kind, type) and issubclass(kind, Enum):
-        return kind(value)
-    return value
+class _Writer:
+    """Turns values into what JSON can hold; arrays are put aside."""
+
+    def __init__(self) -> None:
+        self._chunks: list[np.ndarray] = []
+        self._size = 0
+
+    def data(self) -> np.ndarray:
+        """All arrays so far, as bytes."""
+        return np.concatenate(self._chunks) if self._chunks else np.zeros(0, np.uint8)
+
+    def encode(self, value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return {"array": [str(value.dtype), list(value.shape), self._put(value)]}
+        if isinstance(value, Link):
+            return {"link": [value.node, value.output]}
+        if dataclasses.is_dataclass(value):
+            fields = dataclasses.fields(value)
+            return {field.name: self.encode(getattr(value, field.name)) for field in fields}
+        if isinstance(value, dict):
+            return {key: self.encode(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return [self.encode(item) for item in value]
+        if isinstance(value, Enum | np.integer):
+            return int(typing.cast(int, value))
+        return float(value) if isinstance(value, np.floating) else value
+
+    def _put(self, array: np.ndarray) -> int:
+        offset = self._size
+        raw = np.frombuffer(np.ascontiguousarray(array).tobytes(), np.uint8)
+        padding = np.zeros(-len(raw) % _ALIGNMENT, np.uint8)
+        self._chunks += [raw, padding]
+        self._size += len(raw) + len(padding)
+        return offset
 
 
-def _decode_fields(kind: type, value: Any, arrays: dict[str, np.ndarray]) -> Any:
-    hints = typing.get_type_hints(kind)
-    names = {field.name for field in dataclasses.fields(kind)}
-    if not isinstance(value, dict) or not value.keys() <= names:
-        raise TypeError(f"a {kind.__name__} is malformed")
-    return kind(**{name: _decode(hints[name], item, arrays) for name, item in value.items()})
+class _Reader:
+    """Turns JSON back into values of the types that the fields declare."""
+
+    def __init__(self, data: np.ndarray) -> None:
+        self._data = data
+
+    def decode(self, kind: Any, value: Any) -> Any:
+        if isinstance(value, dict) and value.keys() == {"array"}:
+            return self._array(*value["array"])
+        if isinstance(value, dict) and value.keys() == {"link"}:
+            node, output = value["link"]
+            return Link(int(node), str(output))
+        origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+        if dataclasses.is_dataclass(kind):
+            return self._fields(typing.cast(type, kind), value)
+        if origin in (typing.Union, types.UnionType):
+            return self._union(arguments, value)
+        if origin is list:
+            return [self.decode(arguments[0], item) for item in _sequence(value)]
+        if origin is tuple:
+            return tuple(_sequence(value))
+        if origin is dict:
+            if not isinstance(value, dict):
+                raise TypeError("a table is missing")
+            return {str(key): self.decode(arguments[1], item) for key, item in value.items()}
+        if isinstance(kind, type) and issubclass(kind, Enum):
+            return kind(value)
+        return value
+
+    def _array(self, dtype: str, shape: list[int], offset: int) -> np.ndarray:
+        if dtype not in _DTYPES or offset < 0 or any(size < 0 for size in shape):
+            raise ValueError("an array is malformed")
+        count = math.prod(shape)
+        end = offset + count * np.dtype(dtype).itemsize
+        if end > len(self._data):
+            raise ValueError("an array reaches beyond the data")
+        return self._data[offset:end].view(dtype).reshape(shape)
+
+    def _fields(self, kind: type, value: Any) -> Any:
+        hints = _hints(kind)
+        if not isinstance(value, dict) or not value.keys() <= hints.keys():
+            raise TypeError(f"a {kind.__name__} is malformed")
+        return kind(**{name: self.decode(hints[name], item) for name, item in value.items()})
+
+    def _union(self, arguments: tuple[Any, ...], value: Any) -> Any:
+        """An optional dataclass, or numbers: a list is a tuple there."""
+        if isinstance(value, dict):
+            for argument in arguments:
+                if dataclasses.is_dataclass(argument):
+                    return self._fields(typing.cast(type, argument), value)
+            raise TypeError("a value is malformed")
+        return tuple(value) if isinstance(value, list) else value
 
 
-def _decode_union(arguments: tuple[Any, ...], value: Any, arrays: dict[str, np.ndarray]) -> Any:
-    """An optional dataclass, or numbers: a list is a tuple there."""
-    if isinstance(value, dict):
-        for argument in arguments:
-            if dataclasses.is_dataclass(argument):
-                return _decode_fields(typing.cast(type, argument), value, arrays)
-        raise TypeError("a value is malformed")
-    return tuple(value) if isinstance(value, list) else value
+@cache
+def _hints(kind: type) -> dict[str, Any]:
+    """The types of a dataclass's fields."""
+    return typing.get_type_hints(kind)
 
 
 def _sequence(value: Any) -> list[Any]:

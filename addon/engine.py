@@ -1,0 +1,83 @@
+# mypy: disallow-subclassing-any=False
+"""The render engine as Blender sees it: every method delegates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .core import CoreMissingError, core
+from .passes import register_passes
+
+
+class VernierRenderEngine(bpy.types.RenderEngine):
+    """Vernier."""
+
+    bl_idname = "VERNIER"
+    bl_label = "Vernier"
+    bl_use_preview = True
+    bl_use_postprocess = True
+    bl_use_shading_nodes_custom = False
+    bl_use_eevee_viewport = True
+    bl_use_spherical_stereo = False
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._render: Any = None
+        self._viewport: Any = None
+
+    def update(self, data: bpy.types.BlendData, depsgraph: bpy.types.Depsgraph) -> None:
+        """Nothing: `render` reads the depsgraph of its view layer."""
+
+    def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """Renders one view layer of one frame."""
+        try:
+            core()
+            from .session import FinalRender
+
+            if self._render is None:
+                self._render = FinalRender(self)
+            self._render.run(depsgraph)
+        except CoreMissingError as error:
+            fail(self, str(error))
+        except Exception as error:
+            # Blender swallows exceptions of engines and calls the picture finished.
+            import traceback
+
+            traceback.print_exc()
+            fail(self, f"Vernier failed: {error}")
+
+    def update_render_passes(
+        self, scene: bpy.types.Scene | None = None, renderlayer: bpy.types.ViewLayer | None = None
+    ) -> None:
+        register_passes(self, scene, renderlayer)
+
+    def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        try:
+            core()
+            from .viewport import Viewport
+
+            if self._viewport is None:
+                self._viewport = Viewport(self)
+            self._viewport.update(context, depsgraph)
+        except Exception as error:  # CoreMissingError, or what the core says of the scene
+            self.update_stats("Vernier", str(error))
+
+    def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        if self._viewport is not None:
+            self._viewport.draw(context, depsgraph)
+
+
+def fail(engine: bpy.types.RenderEngine, message: str) -> None:
+    """Makes a failure visible: `error_set` in the window, the report as an exception to scripts."""
+    engine.error_set(message)
+    engine.report({"ERROR"}, message)
+
+
+def register() -> None:
+    bpy.utils.register_class(VernierRenderEngine)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(VernierRenderEngine)

@@ -1,0 +1,249 @@
+"""A final render: describes, compiles, and streams the picture to Blender until it is done.
+
+The core's threads never touch Python. This thread alone talks to Blender: it polls for cancel,
+progress and tiles, and sleeps without the interpreter's lock in between.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from typing import Any
+
+import bpy
+from engine_core.description import SceneDescription
+
+from .core import core
+from .passes import RenderPass, wanted_passes
+from .settings import film_settings, render_settings
+from .sync.depsgraph import SceneSync, SyncOptions
+
+# Seconds between two looks at Blender's cancel flag.
+POLL_SECONDS = 0.05
+# Least seconds between two stats lines.
+_STATS_SECONDS = 0.25
+# Share of the time that may go into showing the picture as it grows.
+_DISPLAY_SHARE = 0.05
+# Above this share of changed pixels the whole picture is handed over at once.
+_WHOLE_PICTURE = 0.25
+# Messages that one render reports; the rest is counted.
+_MAX_MESSAGES = 20
+# Samples of material and light previews.
+_PREVIEW_SAMPLES = 32
+
+
+class CancelledError(Exception):
+    """The user cancelled."""
+
+
+class FinalRender:
+    """Renders for one engine instance; keeps what did not change from frame to frame."""
+
+    def __init__(self, engine: bpy.types.RenderEngine) -> None:
+        self._engine = engine
+        self._sync = SceneSync()
+
+    def run(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """Renders the depsgraph's view layer. Errors of the core are failures of the render."""
+        from .engine import fail
+
+        try:
+            self._run(depsgraph)
+        except CancelledError:
+            pass
+        except (ValueError, RuntimeError, MemoryError, OSError) as error:
+            fail(self._engine, str(error) or type(error).__name__)
+
+    def _run(self, depsgraph: bpy.types.Depsgraph) -> None:
+        engine = self._engine
+        scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+        engine.update_stats("", "Reading the scene")
+        self._sync.mark(depsgraph)
+        film = film_settings(scene)
+        options = SyncOptions(border=not engine.is_preview, camera=engine.camera_override, **film)
+        description = self._sync.apply(depsgraph, options)
+        messages = self._sync.report.messages
+        if description.camera is None:
+            raise ValueError(f'scene "{scene.name}" has no camera')
+        values = render_settings(scene, layer)
+        if engine.is_preview:
+            values["samples"] = min(int(values["samples"]), _PREVIEW_SAMPLES)
+
+        engine.update_stats("", "Building")
+        threads = int(values.get("threads", 0))
+        passes = wanted_passes(layer)
+        keep_uv = any(item.name == "UV" for item in passes)
+        compiled = self._compile(description, threads, keep_uv)
+        self._report([*messages, *compiled.warnings])
+        session = core().Session(compiled, values, [item.name for item in passes])
+        x0, y0, x1, y1 = description.film.crop
+        picture = _Picture(engine, layer.name, session, passes, x1 - x0, y1 - y0)
+        self._render(session, picture)
+
+    def _report(self, messages: list[str]) -> None:
+        if self._engine.is_preview:
+            return
+        for message in messages[:_MAX_MESSAGES]:
+            self._engine.report({"WARNING"}, message)
+        if len(messages) > _MAX_MESSAGES:
+            rest = len(messages) - _MAX_MESSAGES
+            self._engine.report({"WARNING"}, f"and {rest} more messages of this kind")
+
+    def _compile(self, description: SceneDescription, threads: int, keep_uv: bool) -> Any:
+        """Compiles in a thread of its own, so that this one goes on asking for cancel."""
+        module = core()
+        results: list[Any] = []
+        errors: list[BaseException] = []
+        stop = threading.Event()
+
+        def work() -> None:
+            try:
+                results.append(module.compile(description, threads, keep_uv, stop.is_set))
+            except BaseException as error:  # handed to the thread that waits
+                errors.append(error)
+
+        thread = threading.Thread(target=work, name="vernier compile", daemon=True)
+        thread.start()
+        while thread.is_alive():
+            thread.join(POLL_SECONDS)
+            if self._engine.test_break():
+                stop.set()  # the thread ends by itself; nobody waits for it
+                raise CancelledError
+        if errors:
+            raise errors[0]
+        return results[0]
+
+    def _render(self, session: Any, picture: _Picture) -> None:
+        engine = self._engine
+        session.start()
+        cancelled = False
+        next_stats = 0.0
+        while not session.wait(POLL_SECONDS):
+            if engine.test_break():
+                cancelled = True
+                session.cancel()
+                break
+            now = time.perf_counter()
+            if now >= next_stats:
+                show_progress(engine, session, with_error=True)
+                # As for the picture: what the error costs to compute spaces its updates.
+                spent = time.perf_counter() - now
+                next_stats = now + max(_STATS_SECONDS, spent / _DISPLAY_SHARE)
+            picture.show_changes()
+        while not session.wait(POLL_SECONDS):
+            pass
+        show_progress(engine, session, with_error=not cancelled)
+        picture.show_all(final=True)
+        if session.error_message and not cancelled:
+            raise ValueError(session.error_message)
+
+
+class _Picture:
+    """Blender's render result, and what of it is not shown yet."""
+
+    def __init__(
+        self,
+        engine: bpy.types.RenderEngine,
+        layer: str,
+        session: Any,
+        passes: list[RenderPass],
+        width: int,
+        height: int,
+    ) -> None:
+        self._engine = engine
+        self._layer = layer
+        self._session = session
+        self._passes = passes
+        self._size = (width, height)
+        self._next = 0.0
+        for item in passes:
+            if item.name != "Combined":
+                engine.add_pass(item.blender_name, len(item.channels), item.channels, layer=layer)
+
+    def show_changes(self) -> None:
+        """Hands over what has changed, no more often than the display's share of time allows."""
+        start = time.perf_counter()
+        if start < self._next:
+            return
+        tiles = self._session.take_tiles()
+        if not tiles:
+            return
+        width, height = self._size
+        if sum(w * h for _, _, w, h in tiles) > _WHOLE_PICTURE * width * height:
+            self._hand_over(0, 0, width, height, final=False)
+        else:
+            for x, y, w, h in tiles:
+                self._hand_over(x, y, w, h, final=False)
+        end = time.perf_counter()
+        self._next = end + max((end - start) / _DISPLAY_SHARE, 2.0 * POLL_SECONDS)
+
+    def show_all(self, final: bool) -> None:
+        self._hand_over(0, 0, *self._size, final=final)
+
+    def _hand_over(self, x: int, y: int, width: int, height: int, final: bool) -> None:
+        """Copies a rectangle of every pass; x and y count from the lower left of the border."""
+        engine = self._engine
+        result = engine.begin_result(x, y, width, height, layer=self._layer)
+        if not result.layers:
+            engine.end_result(result, cancel=True)
+            return
+        targets = {item.name: item for item in result.layers[0].passes}
+        for item in self._passes:
+            target = targets.get(item.blender_name)
+            if target is not None:
+                pixels = self._session.read(item.name, x, y, width, height)
+                target.rect.foreach_set(pixels.reshape(-1))
+        if not final:
+            engine.update_result(result)
+        engine.end_result(result)
+
+
+def show_progress(engine: bpy.types.RenderEngine, session: Any, with_error: bool) -> Any:
+    """The stats line, the progress bar and the memory. The error costs a look at every pixel."""
+    progress = session.poll(with_error)
+    engine.update_stats("", stats_line(progress))
+    engine.update_progress(_fraction(progress))
+    engine.update_memory_stats(*memory_megabytes())
+    return progress
+
+
+def _fraction(progress: Any) -> float:
+    """How much is done: by samples, or by time where that ends first."""
+    by_samples = progress.samples / progress.samples_target if progress.samples_target else 0.0
+    total = progress.seconds + progress.seconds_left
+    by_time = progress.seconds / total if math.isfinite(total) and total > 0.0 else 0.0
+    return min(1.0, max(by_samples, by_time))
+
+
+def stats_line(progress: Any) -> str:
+    """Sample, time left and error of a render in progress."""
+    parts = [f"Sample {progress.samples:.0f}/{progress.samples_target:.0f}"]
+    if math.isfinite(progress.seconds_left):
+        parts.append(f"Time left {duration(progress.seconds_left)}")
+    if math.isfinite(progress.error):
+        parts.append(f"Error {100.0 * progress.error:.2g} %")
+    return " | ".join(parts)
+
+
+def duration(seconds: float) -> str:
+    """1:02:03, 2:03 or 0:03."""
+    whole = round(max(0.0, seconds))
+    hours, minutes = divmod(whole // 60, 60)
+    tail = f"{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"
+    return f"{hours}:{tail}" if hours else tail
+
+
+def memory_megabytes() -> tuple[float, float]:
+    """Memory of this process now and at its peak; zeros where the system does not say."""
+    try:
+        with open("/proc/self/status", encoding="ascii") as file:
+            rows = dict(line.split(":", 1) for line in file)
+        return (_megabytes(rows["VmRSS"]), _megabytes(rows["VmHWM"]))
+    except (OSError, KeyError, ValueError):
+        return (0.0, 0.0)
+
+
+def _megabytes(row: str) -> float:
+    """Megabytes of a row like "  1234 kB"."""
+    return int(row.split()[0]) / 1024.0

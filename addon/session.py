@@ -16,6 +16,7 @@ from engine_core.description import SceneDescription
 
 from .core import core
 from .passes import RenderPass, wanted_passes
+from .record import RenderRecord, tell
 from .settings import film_settings, render_settings
 from .sync.depsgraph import SceneSync, SyncOptions
 
@@ -58,6 +59,7 @@ class FinalRender:
     def _run(self, depsgraph: bpy.types.Depsgraph) -> None:
         engine = self._engine
         scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+        called = time.perf_counter()
         engine.update_stats("", "Reading the scene")
         self._sync.mark(depsgraph)
         film = film_settings(scene)
@@ -71,15 +73,22 @@ class FinalRender:
             values["samples"] = min(int(values["samples"]), _PREVIEW_SAMPLES)
 
         engine.update_stats("", "Building")
+        described = time.perf_counter()
         threads = int(values.get("threads", 0))
         passes = wanted_passes(layer)
         keep_uv = any(item.name == "UV" for item in passes)
         compiled = self._compile(description, threads, keep_uv)
-        self._report([*messages, *compiled.warnings])
+        built = time.perf_counter()
+        messages = [*messages, *compiled.warnings]
+        self._report(messages)
         session = core().Session(compiled, values, [item.name for item in passes])
         x0, y0, x1, y1 = description.film.crop
         picture = _Picture(engine, layer.name, session, passes, x1 - x0, y1 - y0)
-        self._render(session, picture)
+        progress = self._render(session, picture)
+        if not engine.is_preview:
+            ended = time.perf_counter()
+            times = (called, described, built, picture.first_shown, ended)
+            tell(RenderRecord(layer.name, progress, tuple(messages), session.threads, *times))
 
     def _report(self, messages: list[str]) -> None:
         if self._engine.is_preview:
@@ -114,7 +123,7 @@ class FinalRender:
             raise errors[0]
         return results[0]
 
-    def _render(self, session: Any, picture: _Picture) -> None:
+    def _render(self, session: Any, picture: _Picture) -> Any:
         engine = self._engine
         session.start()
         cancelled = False
@@ -133,10 +142,11 @@ class FinalRender:
             picture.show_changes()
         while not session.wait(POLL_SECONDS):
             pass
-        show_progress(engine, session, with_error=not cancelled)
+        progress = show_progress(engine, session, with_error=not cancelled)
         picture.show_all(final=True)
         if session.error_message and not cancelled:
             raise ValueError(session.error_message)
+        return progress
 
 
 class _Picture:
@@ -157,6 +167,7 @@ class _Picture:
         self._passes = passes
         self._size = (width, height)
         self._next = 0.0
+        self.first_shown = 0.0  # by time.perf_counter
         for item in passes:
             if item.name != "Combined":
                 engine.add_pass(item.blender_name, len(item.channels), item.channels, layer=layer)
@@ -197,6 +208,7 @@ class _Picture:
         if not final:
             engine.update_result(result)
         engine.end_result(result)
+        self.first_shown = self.first_shown or time.perf_counter()
 
 
 def show_progress(engine: bpy.types.RenderEngine, session: Any, with_error: bool) -> Any:

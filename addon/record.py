@@ -1,0 +1,35 @@
+"""What a finished render has to say about itself, for scripts that drive Blender."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class RenderRecord:
+    """One view layer of one frame. Times are those of `time.perf_counter`, in seconds.
+
+    `progress` is the core's last word: samples, seconds, rays, error. `messages` are all warnings,
+    also those that were too many for Blender's own report.
+    """
+
+    layer: str
+    progress: Any
+    messages: tuple[str, ...]
+    threads: int
+    called: float
+    described: float
+    compiled: float
+    first_tile: float
+    ended: float
+
+
+#: Called with the record whenever a final render has ended (a cancelled one too).
+listeners: list[Callable[[RenderRecord], None]] = []
+
+
+def tell(record: RenderRecord) -> None:
+    for listener in listeners:
+        listener(record)

@@ -3,6 +3,7 @@
 #include <nanobind/stl/string.h>
 
 #include "embree/library.h"
+#include "embree/recorder.h"
 #include "render/passes.h"
 #include "render/settings.h"
 
@@ -68,6 +69,15 @@ void bind_tables(nb::module_& m) {
   m.def("load_embree", &embree::load, nb::arg("path"),
         "Opens the Embree library at `path`; RuntimeError says why it cannot.");
   m.def("parameter_rows", &parameter_rows, "The table of settings, a dict per row.");
+  m.def("start_recording", &embree::start_recording, nb::arg("capacity"),
+        "Scenes compiled from now on keep their rays; render them on one thread.");
+  m.def("stop_recording", &embree::stop_recording);
+  m.def("replay",
+        [] {
+          const embree::ReplayResult r = embree::replay();
+          return nb::make_tuple(r.rays, r.seconds, r.hits);
+        },
+        "Casts the recorded rays again on one thread: (rays, seconds, hits).");
   m.def("pass_rows", &pass_rows, "The table of passes, a dict per row.");
 }
 

@@ -110,6 +110,11 @@ class Bsdf {
   std::optional<BsdfSample> sample_forward(float u_lobe, Vec2f u, Transport transport,
                                            uint8_t mask = kLobeAny) const;
 
+  // All delta distributions at once, transparency included: what deterministic ray tracing follows.
+  // `weight` is the full ratio of each (nothing is chosen: pdf is 1). Returns their number.
+  static constexpr int kMaxSingularEvents = 2 * kMaxLobes + 1;
+  int singular_events(std::array<BsdfSample, kMaxSingularEvents>& events) const;
+
   // Union of the bits of what may be sampled.
   uint8_t lobes() const { return bits_; }
   // True where eval() can be other than zero: some lobe is not singular.

@@ -253,6 +253,32 @@ std::optional<BsdfSample> Bsdf::sample_any(float u_lobe, Vec2f u, Transport tran
   return sample;
 }
 
+int Bsdf::singular_events(std::array<BsdfSample, kMaxSingularEvents>& events) const {
+  int count = 0;
+  const auto keep = [&](const std::optional<BsdfSample>& event) {
+    if (event) {
+      events[static_cast<size_t>(count++)] = *event;
+    }
+  };
+  // Among the events of one kind alone, each has probability 1.
+  constexpr auto kReflections = static_cast<uint8_t>(kLobeAny & ~kLobeTransmission);
+  constexpr auto kTransmissions = static_cast<uint8_t>(kLobeAny & ~kLobeReflection);
+  for (int i = 0; i < count_; ++i) {
+    if (!lobes_[i].singular) {
+      continue;
+    }
+    for (const uint8_t mask : {kReflections, kTransmissions}) {
+      if (permits(mask, lobes_[i].reflection_bits) || permits(mask, lobes_[i].transmission_bits)) {
+        keep(sample_singular<false>(i, 0.0f, 1.0f, Transport::kRadiance, mask));
+      }
+    }
+  }
+  if (!is_black(transparency)) {
+    keep(sample_transparent<false>(1.0f, kLobeAny));
+  }
+  return count;
+}
+
 std::optional<BsdfSample> Bsdf::sample(float u_lobe, Vec2f u, Transport transport,
                                        uint8_t mask) const {
   return sample_any<true>(u_lobe, u, transport, mask);

@@ -52,6 +52,7 @@ class Camera {
   Vec3f position() const { return position_; }
   Vec3f axis() const { return -frame_.n; }
   Vec3f to_camera(Vec3f v) const { return frame_.to_local(v); }
+  Vec3f from_camera(Vec3f v) const { return frame_.to_world(v); }
   // Radius of the disk that one pixel covers at p, metres.
   float footprint(Vec3f p) const;
 

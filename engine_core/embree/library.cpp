@@ -92,4 +92,10 @@ const Library& library() {
   return g_library;
 }
 
+void set_ray_functions(decltype(Library::rtcIntersect1) intersect,
+                       decltype(Library::rtcOccluded1) occluded) {
+  g_library.rtcIntersect1 = intersect;
+  g_library.rtcOccluded1 = occluded;
+}
+
 }  // namespace vernier::embree

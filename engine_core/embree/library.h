@@ -24,4 +24,8 @@ void load(const std::string& path);
 // The loaded library. Throws std::runtime_error before load() succeeded.
 const Library& library();
 
+// Scenes compiled from now on cast their rays by these functions (see recorder.h).
+void set_ray_functions(decltype(Library::rtcIntersect1) intersect,
+                       decltype(Library::rtcOccluded1) occluded);
+
 }  // namespace vernier::embree

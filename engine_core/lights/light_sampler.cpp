@@ -34,7 +34,7 @@ float distant_importance(const LightTable& table, size_t i, const Receiver& from
   const float cos_ng = -dot(lamp.axis, from.ng);
   // The sine of the sun's half angle: how far below the horizon its centre may be.
   const float sine = safe_sqrt(lamp.one_minus_cos_sun * (2.0f - lamp.one_minus_cos_sun)) + gamma(8);
-  return std::max(cos_ng, cos_ns) > -sine ? irradiance * std::max(cos_ns, kImportanceCosineFloor)
+  return cos_ng > -sine ? irradiance * std::max(cos_ns, kImportanceCosineFloor)
                                           : 0.0f;
 }
 

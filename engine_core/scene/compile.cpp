@@ -216,6 +216,12 @@ class SceneCompiler {
           compile_mesh(desc_.meshes[task.desc], scene_->attribute_names,
                        task.instance == kShared ? nullptr : to_render, threads);
       scene_->meshes[i].instanced = task.instance == kShared;
+      if (task.instance != kShared) {
+        Transform t;
+        std::transform(to_render, to_render + 12, t.m.begin(),
+                       [](double v) { return static_cast<float>(v); });
+        scene_->meshes[i].to_object = inverse(t);
+      }
     };
     // Many meshes: one thread each; few: threads within each.
     if (tasks.size() >= static_cast<size_t>(4 * resolve_threads(options_.threads))) {

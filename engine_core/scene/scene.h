@@ -41,6 +41,7 @@ struct Mesh {
   std::vector<Vec3f> normals;                      // object space
   std::vector<MeshAttribute> attributes;           // by attribute id (Scene::attribute_names)
   Vec3f texture_space_min, texture_space_max;      // object space
+  Transform to_object;                             // positions to object space
   bool instanced = false;                          // several instances share it
 };
 

@@ -24,6 +24,9 @@ Scene = _core.Scene
 Session = _core.Session
 Progress = _core.Progress
 probe = _core.probe
+start_recording = _core.start_recording
+stop_recording = _core.stop_recording
+replay = _core.replay
 
 #: The instruction set that the core in use was compiled for: v2, v3 or v4.
 INSTRUCTION_SET: str = _core.__name__.rpartition("_")[2]
@@ -69,5 +72,8 @@ __all__ = [
     "parameters",
     "passes",
     "probe",
+    "replay",
+    "start_recording",
+    "stop_recording",
     "validate",
 ]

@@ -34,8 +34,7 @@ float distant_importance(const LightTable& table, size_t i, const Receiver& from
   const float cos_ng = -dot(lamp.axis, from.ng);
   // The sine of the sun's half angle: how far below the horizon its centre may be.
   const float sine = safe_sqrt(lamp.one_minus_cos_sun * (2.0f - lamp.one_minus_cos_sun)) + gamma(8);
-  return cos_ng > -sine ? irradiance * std::max(cos_ns, kImportanceCosineFloor)
-                                          : 0.0f;
+  return cos_ng > -sine ? irradiance * std::max(cos_ns, kImportanceCosineFloor) : 0.0f;
 }
 
 // The alternatives of the first choice: distant lights in their order, then the tree.
@@ -328,7 +327,7 @@ Color LightSampler::environment(Vec3f d, uint32_t flags, const PathDepth& depth)
              : Color{};
 }
 
-bool LightSampler::next_lamp_hit(const Ray& ray, uint32_t mask, uint32_t& lamp_number,
+bool LightSampler::next_lamp_hit(const Ray& ray, float t_min, uint32_t mask, uint32_t& lamp_number,
                                  LightHit& hit) const {
   const LightTable& table = *table_;
   while (lamp_number < table.lamps.size()) {
@@ -343,7 +342,7 @@ bool LightSampler::next_lamp_hit(const Ray& ray, uint32_t mask, uint32_t& lamp_n
     s.wi = ray.d;
     if (lamp.kind == LightKind::kArea) {
       s.distance = intersect_area_lamp(lamp, ray.o, ray.d);
-      if (!(s.distance > 0.0f) || !(s.distance < ray.t_max)) {
+      if (!(s.distance > t_min) || !(s.distance < ray.t_max)) {
         continue;
       }
       s.factor = area_lamp_factor(lamp, ray.d);
@@ -352,7 +351,7 @@ bool LightSampler::next_lamp_hit(const Ray& ray, uint32_t mask, uint32_t& lamp_n
     } else {
       const SphereView view = view_sphere(lamp, ray.o);
       s.distance = intersect_sphere(lamp, view, ray.o, ray.d);
-      if (!(s.distance > 0.0f) || !(s.distance < ray.t_max)) {
+      if (!(s.distance > t_min) || !(s.distance < ray.t_max)) {
         continue;
       }
       s.factor = sphere_lamp_factor(lamp, view, ray.d);

@@ -69,13 +69,16 @@ class LightSampler {
   // Calls f(const LightHit&) for every lamp that the ray of unit direction crosses before t_max, in
   // no order. `mask` has the Visibility bit of the ray's kind. `from` is the receiver that sampled
   // the direction, `travelled` before the ray's origin (transparent surfaces lie between), or null
-  // (camera rays, and after singular bounces).
+  // (camera rays, and after singular bounces). Lamps that face their receiver face the point
+  // `travelled` before the origin.
   template <class F>
   void for_each_lamp_hit(const Receiver* from, const Ray& ray, uint32_t mask, float travelled,
                          F&& f) const {
+    const Ray whole{from ? from->p : ray.o - ray.d * travelled, ray.d, travelled + ray.t_max};
     LightHit hit;
-    for (uint32_t lamp = 0; next_lamp_hit(ray, mask, lamp, hit);) {
-      hit.pdf = from ? pdf_lamp(*from, hit.light, ray.d, travelled + hit.t) : 0.0f;
+    for (uint32_t lamp = 0; next_lamp_hit(whole, travelled, mask, lamp, hit);) {
+      hit.pdf = from ? pdf_lamp(*from, hit.light, ray.d, hit.t) : 0.0f;
+      hit.t -= travelled;
       f(static_cast<const LightHit&>(hit));
     }
   }
@@ -112,8 +115,10 @@ class LightSampler {
   bool is_infinite(uint32_t light) const;
 
  private:
-  // The first lamp hit at or after lamp number `lamp`, which moves past it; false: no more.
-  bool next_lamp_hit(const Ray& ray, uint32_t mask, uint32_t& lamp, LightHit& hit) const;
+  // The first lamp at or after number `lamp`, which moves past it, that the ray meets beyond t_min;
+  // false: no more.
+  bool next_lamp_hit(const Ray& ray, float t_min, uint32_t mask, uint32_t& lamp,
+                     LightHit& hit) const;
   bool next_escape(Vec3f d, uint32_t mask, uint32_t flags, const PathDepth& depth, uint32_t& i,
                    LightHit& hit) const;
   // Chooses a light: its number and probability; kNoIndex where nothing reaches the receiver.

@@ -99,8 +99,7 @@ LightBounds merge(const LightBounds& a, const LightBounds& b) {
 }
 
 float LightTree::node_importance(const Node& node, const Receiver& from) {
-  if (!from.transmits && box_behind(node.center, node.half, from.p, from.ng) &&
-      (from.ns == from.ng || box_behind(node.center, node.half, from.p, from.ns))) {
+  if (!from.transmits && box_behind(node.center, node.half, from.p, from.ng)) {
     return 0.0f;
   }
   const Vec3f to = node.center - from.p;

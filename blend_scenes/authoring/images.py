@@ -24,7 +24,7 @@ def packed_image(name: str, pixels: Array, *, data: bool = False) -> bpy.types.I
     image.alpha_mode = "CHANNEL_PACKED" if channels == 4 else "NONE"
     image.pixels.foreach_set(full.astype(np.float32).ravel())
     image.pack()
-    image.filepath = f"//{name}.png"
+    image.filepath_raw = f"//{name}.png"
     return image
 
 
@@ -45,7 +45,7 @@ def packed_radiance(name: str, pixels: Array) -> bpy.types.Image:
         image = bpy.data.images.load(str(path))
         image.name = name
         image.pack()
-    image.filepath = f"//{name}.exr"
+    image.filepath_raw = f"//{name}.exr"
     settings.file_format = "PNG"
     return image
 
@@ -138,4 +138,4 @@ def landscape(width: int, height: int) -> Array:
     for phase, (level, swell, frequency, tint) in enumerate(hills):
         line = level + swell * np.sin(frequency * x + 2 * phase) + 0.02 * np.sin(31 * x + phase)
         color[y < line] = tint
-    return color
+    return color**0.75

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import bpy
 from mathutils import Vector
 
-from .common import add_bevel, add_object
-from .shapes import Point, boxes, joined, lathe, polygons, spline, tube
+from .common import add_bevel, add_object, add_subdivision
+from .shapes import Point, box, boxes, joined, lathe, polygons, spline, tube
 
 
 def _profile(points: Sequence[tuple[float, float]], steps: int = 6) -> list[tuple[float, float]]:
@@ -128,6 +128,34 @@ def add_framed_picture(
     sheet = polygons(name, [(-x, -0.01, -z), (x, -0.01, -z), (x, -0.01, z), (-x, -0.01, z)],
                      [(0, 1, 2, 3)], uvs=[(0, 0), (1, 0), (1, 1), (0, 1)])
     add_object(name, sheet, picture, location=location, rotation=rotation)
+
+
+def add_armchair(
+    location: Point, turn: float, cloth: bpy.types.Material, legs: bpy.types.Material,
+    velvet: bpy.types.Material,
+) -> None:
+    """Rounded cushions on turned legs with a pillow of `velvet`; it faces -Y."""
+    root = bpy.data.objects.new("Armchair", None)
+    bpy.context.scene.collection.objects.link(root)
+    root.location, root.rotation_euler[2] = location, math.radians(turn)
+    parts = [((0.66, 0.64, 0.2), (0, 0, 0.24), 0), ((0.62, 0.2, 0.62), (0, 0.3, 0.34), -12),
+             ((0.15, 0.68, 0.34), (-0.38, 0.0, 0.24), 0), ((0.15, 0.68, 0.34), (0.38, 0, 0.24), 0),
+             ((0.58, 0.56, 0.13), (0, -0.03, 0.43), 0)]
+    for number, (size, place, tilt) in enumerate(parts):
+        item = add_object(f"Cushion {number}", box("Cushion", size), cloth, location=place,
+                          rotation=(tilt, 0, 0))
+        add_bevel(item, 0.05, 3)
+        item.data.polygons.foreach_set("use_smooth", [True] * 6)
+        item.parent = root
+    for x in (-0.34, 0.34):
+        for y in (-0.26, 0.28):
+            leg = lathe("Leg", [(0.0, 0.0), (0.013, 0.0), (0.024, 0.245), (0.0, 0.245)], 20)
+            add_object("Leg", leg, legs, location=(x, y, 0.0)).parent = root
+    pillow_mesh = box("Pillow", (0.38, 0.12, 0.36), on_floor=False)
+    pillow = add_subdivision(add_object("Pillow", pillow_mesh, velvet, location=(0.08, 0.1, 0.73),
+                                        rotation=(-22, 8, 6)), 3)
+    pillow_mesh.polygons.foreach_set("use_smooth", [True] * 6)
+    pillow.parent = root
 
 
 def room_bounds(low: Point, high: Point, wall: float) -> list[tuple[Point, Point]]:

@@ -11,11 +11,10 @@ from mathutils import Matrix, Vector
 
 from . import images
 from .common import (
-    SceneInfo, add_bevel, add_camera, add_light, add_object, add_subdivision, new_scene,
-    save_scene, set_world,
+    SceneInfo, add_bevel, add_camera, add_light, add_object, new_scene, save_scene, set_world,
 )
 from .materials import Nodes, closure, emitter, glass, new_material, principled
-from .props import add_framed_picture, add_table, circle, goblet, teapot, vase, vessel
+from .props import add_armchair, add_framed_picture, add_table, circle, goblet, teapot, vase, vessel
 from .shapes import box, boxes, grid, lathe, polygons, quad, spline, tube
 from .surfaces import marble, wood
 
@@ -26,7 +25,7 @@ INFO = SceneInfo(
     "sheen, metal and transmission.",
     resolution=(480, 320),
     samples=512,
-    exposure=0.2,
+    exposure=-0.2,
 )
 
 
@@ -205,34 +204,6 @@ def _add_shell() -> None:
     add_bevel(add_object("Skirting", boxes("Skirting", board), white), 0.004)
 
 
-def _add_armchair(location: tuple[float, float, float], turn: float) -> None:
-    """Rounded cushions on wooden legs."""
-    cloth = _cloth("Upholstery", (0.16, 0.045, 0.03), (0.62, 0.3, 0.2))
-    root = bpy.data.objects.new("Armchair", None)
-    bpy.context.scene.collection.objects.link(root)
-    root.location, root.rotation_euler[2] = location, math.radians(turn)
-    parts = [((0.66, 0.64, 0.2), (0, 0, 0.24), 0), ((0.62, 0.2, 0.62), (0, 0.3, 0.34), -12),
-             ((0.15, 0.68, 0.34), (-0.38, 0.0, 0.24), 0), ((0.15, 0.68, 0.34), (0.38, 0, 0.24), 0),
-             ((0.58, 0.56, 0.13), (0, -0.03, 0.43), 0)]
-    for number, (size, place, tilt) in enumerate(parts):
-        item = add_object(f"Cushion {number}", box("Cushion", size), cloth, location=place,
-                          rotation=(tilt, 0, 0))
-        add_bevel(item, 0.05, 3)
-        item.data.polygons.foreach_set("use_smooth", [True] * 6)
-        item.parent = root
-    legs = wood("Legs", (0.09, 0.04, 0.02), (0.2, 0.1, 0.05))
-    for x in (-0.34, 0.34):
-        for y in (-0.26, 0.28):
-            leg = lathe("Leg", [(0.0, 0.0), (0.013, 0.0), (0.024, 0.245), (0.0, 0.245)], 20)
-            add_object("Leg", leg, legs, location=(x, y, 0.0)).parent = root
-    pillow_mesh = box("Pillow", (0.38, 0.12, 0.36), on_floor=False)
-    pillow = add_subdivision(add_object("Pillow", pillow_mesh, principled(
-        "Velvet", (0.03, 0.16, 0.19), 0.7, {"Sheen Weight": 1.0, "Sheen Tint": (0.5, 0.9, 1.0)}),
-        location=(0.08, 0.1, 0.73), rotation=(-22, 8, 6)), 3)
-    pillow_mesh.polygons.foreach_set("use_smooth", [True] * 6)
-    pillow.parent = root
-
-
 def _add_plant(location: tuple[float, float, float]) -> None:
     """A glazed pot, earth, and a crown of bent leaf cards."""
     pot = vessel("Pot", [(0.0, 0.0), (0.11, 0.0), (0.13, 0.03), (0.17, 0.2), (0.18, 0.3)], 0.012)
@@ -276,7 +247,7 @@ def _add_lamp(location: tuple[float, float, float]) -> None:
     shade = lathe("Lamp shade", [(0.2, 1.3), (0.14, 1.62)], 64)
     add_object("Lamp shade", shade, paper, location=location)
     bulb = lathe("Bulb", [(0.0, 1.38), (0.02, 1.385), (0.035, 1.42), (0.03, 1.455), (0.0, 1.47)], 24)
-    add_object("Bulb", bulb, emitter("Bulb", (1.0, 0.75, 0.45), 110.0), location=location)
+    add_object("Bulb", bulb, emitter("Bulb", (1.0, 0.75, 0.45), 220.0), location=location)
 
 
 def _painted_vase() -> bpy.types.Mesh:
@@ -293,13 +264,17 @@ def _painted_vase() -> bpy.types.Mesh:
 def build(path: Path) -> None:
     """Builds the scene and saves it to `path`."""
     scene = new_scene(INFO)
-    set_world(scene, (0.55, 0.75, 1.0), 1.3)
+    set_world(scene, (0.55, 0.75, 1.0), 1.6)
     _add_shell()
-    sun = add_light("Sun", "SUN", 14.0, (1.0, 0.86, 0.68), (-4, -1, 4), (-0.3, 0.5, 0.0))
+    sun = add_light("Sun", "SUN", 48.0, (1.0, 0.86, 0.68), (-5, -1.6, 3.2), (0, 0, 0))
     sun.data.angle = math.radians(0.8)
     rug = grid("Rug", (1.9, 1.3), (2, 2), lambda x, y: 0.008, smooth=False)
     add_object("Rug", rug, _rug(), location=(0.15, 0.25, 0.0), rotation=(0, 0, 6))
-    _add_armchair((0.75, 1.0, 0.0), -28.0)
+    add_armchair((0.75, 1.0, 0.0), -28.0, _cloth("Upholstery", (0.16, 0.045, 0.03),
+                                                 (0.62, 0.3, 0.2)),
+                 wood("Legs", (0.09, 0.04, 0.02), (0.2, 0.1, 0.05)),
+                 principled("Velvet", (0.03, 0.16, 0.19), 0.7,
+                            {"Sheen Weight": 1.0, "Sheen Tint": (0.5, 0.9, 1.0)}))
     _add_plant((-1.3, 1.45, 0.0))
     _add_lamp((1.65, 1.55, 0.0))
     oak = wood("Oak", (0.2, 0.095, 0.04), (0.45, 0.26, 0.12), roughness=0.3, coat=0.4)

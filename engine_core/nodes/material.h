@@ -25,6 +25,8 @@ struct MaterialCode;
 
 // The attribute name that stands for a mesh's active UV map: what nodes that name no map read.
 inline constexpr std::string_view kActiveUvAttribute = "";
+// The attribute name that stands for a mesh's active colour attribute.
+inline constexpr std::string_view kActiveColorAttribute = ":color";
 // Prefix of tangent attributes: "tangent:" + UV map (the prefix alone: of the active UV map).
 // 4 channels: the unit tangent in object space and the sign of the bitangent.
 inline constexpr std::string_view kTangentAttributePrefix = "tangent:";
@@ -43,6 +45,9 @@ class NodeContext {
   const ImageTexture* image(int64_t index) const;
   // Records a warning; an equal one is recorded once.
   void warn(std::string message);
+
+  // Pass index of the material that is compiled next: what Object Info's Material Index gives.
+  float material_pass_index = 0.0f;
 
  private:
   std::span<const std::unique_ptr<ImageTexture>> images_;

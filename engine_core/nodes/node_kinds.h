@@ -45,15 +45,20 @@ struct ParamKind {
   std::vector<std::string_view> items;     // kEnum: identifiers; the first one is the default
 };
 
-enum class NodeId : uint16_t;
+class NodeLowering;
+
+// What a node is to the compiler. Mix and Add Shader become weights of closures.
+enum class NodeRole : uint8_t { kValue, kClosure, kMixShader, kAddShader };
 
 struct NodeKind {
   std::string_view name;  // bl_idname
-  NodeId id;
+  NodeRole role = NodeRole::kValue;
+  // Emits the node's instructions (kValue) or its closures (kClosure).
+  void (*lower)(NodeLowering&) = nullptr;
   std::vector<InputKind> inputs;
   std::vector<OutputKind> outputs;
   std::vector<ParamKind> params;
-  // Empty, or what stands in for this kind: "named in the report, and ...".
+  // Empty, or what this kind, which the core only approximates, is replaced by.
   std::string_view fallback;
 };
 

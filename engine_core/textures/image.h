@@ -28,10 +28,14 @@ class ImageTexture {
   AlphaMode alpha_mode() const { return alpha_; }
   bool has_alpha() const { return channels_ == 4 && alpha_ != AlphaMode::kNone; }
 
-  // Scene-linear RGBA at (u, v), (0, 0) the lower left corner of the image; alpha associated with
-  // the colour as in Cycles' textures. A missing image is opaque magenta everywhere.
-  Vec4f sample(float u, float v, Interpolation interpolation, Extension extension) const;
-  // Scene-linear RGBA of one pixel; x in [0, width), y in [0, height), row 0 at the bottom.
+  // Scene-linear RGBA at (u, v), (0, 0) the lower left corner of the image. As in Cycles, colours
+  // are associated with alpha and interpolated as they are encoded; `straight` divides the colour
+  // by alpha afterwards. A missing image is opaque magenta everywhere; outside a clipped one it is
+  // transparent black.
+  Vec4f sample(float u, float v, Interpolation interpolation, Extension extension,
+               bool straight = false) const;
+  // Scene-linear RGBA of one pixel, colour associated with alpha; x in [0, width), y in
+  // [0, height), row 0 at the bottom.
   Vec4f texel(int x, int y) const;
   // Average colour over all pixels.
   Color average() const;
@@ -40,6 +44,11 @@ class ImageTexture {
   size_t size_bytes() const { return bytes_.size() + floats_.size() * sizeof(float); }
 
  private:
+  Vec4f encoded(int x, int y) const;
+  Vec4f encoded_or_clear(int x, int y) const;
+  Vec4f interpolate_linear(float x, float y, Extension extension) const;
+  Vec4f interpolate_cubic(float x, float y, Extension extension) const;
+  Vec4f decoded(Vec4f color) const;
   std::string name_;
   int width_ = 0, height_ = 0, channels_ = 0;
   ImageEncoding encoding_ = ImageEncoding::kLinear;

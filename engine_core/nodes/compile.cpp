@@ -87,7 +87,7 @@ class Compiler {
     constexpr float kSmooth = 5e-7f;
     const bool varies = !is_constant(c, roughness);
     const bool smooth = !varies && square(square(saturate(scalar(c, roughness)))) <= kSmooth;
-    const unsigned singular = varies || smooth ? kLobeSingular : 0u;
+    const unsigned singular = varies || smooth ? unsigned{kLobeSingular} : 0u;
     return static_cast<uint8_t>(kLobeGlossy | singular);
   }
 

@@ -34,7 +34,7 @@ class SceneInfo:
 
 
 def new_scene(info: SceneInfo) -> bpy.types.Scene:
-    """Empties Blender's data and returns a scene with unbiased Cycles settings and a black world."""
+    """Empties Blender's data and returns a scene of unbiased settings and a black world."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.preferences.addon_enable(module="cycles")
     bpy.context.preferences.filepaths.save_version = 0
@@ -202,8 +202,9 @@ def add_collection_instance(
     parent: bpy.types.Collection | None = None,
 ) -> bpy.types.Object:
     """Places an instance of a whole collection; `turn` is its rotation about Z in degrees."""
-    item = add_object(name, None, location=location, rotation=(0, 0, turn), scale=scale,
-                      collection=parent)
+    item = add_object(
+        name, None, location=location, rotation=(0, 0, turn), scale=scale, collection=parent
+    )
     item.instance_type = "COLLECTION"
     item.instance_collection = collection
     item.empty_display_size = 0.2

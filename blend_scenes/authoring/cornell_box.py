@@ -7,11 +7,16 @@ are customary for this scene.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+
+import bpy
 
 from .common import SceneInfo, add_camera, add_object, new_scene, save_scene
 from .materials import diffuse, emitter
 from .shapes import polygons
+
+Corner = tuple[float, float, float]
 
 INFO = SceneInfo(
     name="cornell_box",
@@ -38,12 +43,12 @@ _SHORT_TOP = [(130, 165, 65), (82, 165, 225), (240, 165, 272), (290, 165, 114)]
 _TALL_TOP = [(423, 330, 247), (265, 330, 296), (314, 330, 456), (472, 330, 406)]
 
 
-def _to_blender(points: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
+def _to_blender(points: Sequence[Corner]) -> list[Corner]:
     """Turns published corners into metres with Z up, the box centred on x = 0."""
     return [((278.0 - x) / 100.0, z / 100.0, y / 100.0) for x, y, z in points]
 
 
-def _block(name: str, top: list[tuple[float, float, float]]) -> object:
+def _block(name: str, top: Sequence[Corner]) -> bpy.types.Mesh:
     """Makes a block from its top's corners, in published units, without its unseen bottom."""
     corners = _to_blender([*top, *((x, 0.0, z) for x, _, z in top)])
     sides = [(i, i + 4, (i + 1) % 4 + 4, (i + 1) % 4) for i in range(4)]
@@ -60,13 +65,18 @@ def build(path: Path) -> None:
     around = [(i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4) for i in range(4)]
     ceiling = polygons("Ceiling", _to_blender([*_CEILING, *_LAMP]), around)
     add_object("Ceiling", ceiling, white)
-    add_object("Left wall", polygons("Left wall", _to_blender(_LEFT), [(0, 1, 2, 3)]),
-               diffuse("Red", _RED))
-    add_object("Right wall", polygons("Right wall", _to_blender(_RIGHT), [(0, 1, 2, 3)]),
-               diffuse("Green", _GREEN))
+    add_object(
+        "Left wall", polygons("Left wall", _to_blender(_LEFT), [(0, 1, 2, 3)]), diffuse("Red", _RED)
+    )
+    add_object(
+        "Right wall",
+        polygons("Right wall", _to_blender(_RIGHT), [(0, 1, 2, 3)]),
+        diffuse("Green", _GREEN),
+    )
     add_object("Short block", _block("Short block", _SHORT_TOP), white)
     add_object("Tall block", _block("Tall block", _TALL_TOP), white)
-    add_object("Lamp", polygons("Lamp", _to_blender(_LAMP), [(0, 1, 2, 3)]),
-               emitter("Lamp", _LIGHT, 1.0))
+    add_object(
+        "Lamp", polygons("Lamp", _to_blender(_LAMP), [(0, 1, 2, 3)]), emitter("Lamp", _LIGHT, 1.0)
+    )
     add_camera(scene, (0.0, -8.0, 2.73), (0.0, 0.0, 2.73), lens=35.0, sensor_width=25.0)
     save_scene(scene, path)

@@ -29,16 +29,22 @@ def _half_transparent(roughness: float) -> bpy.types.Material:
     """Half transparent, half white gloss."""
     material, nodes = new_material(f"Half transparent {roughness}")
     hole = nodes.add("BsdfTransparent")
-    gloss = nodes.add("BsdfAnisotropic", {"Color": _WHITE, "Roughness": roughness},
-                      distribution="MULTI_GGX")
-    nodes.output(nodes.add("MixShader", {0: 0.5, 1: hole.outputs[0],
-                                         2: gloss.outputs[0]}).outputs[0])
+    gloss = nodes.add(
+        "BsdfAnisotropic", {"Color": _WHITE, "Roughness": roughness}, distribution="MULTI_GGX"
+    )
+    nodes.output(
+        nodes.add("MixShader", {0: 0.5, 1: hole.outputs[0], 2: gloss.outputs[0]}).outputs[0]
+    )
     return material
 
 
 def _glossy(roughness: float) -> bpy.types.Material:
-    return closure(f"Glossy {roughness}", "BsdfAnisotropic",
-                   {"Color": _WHITE, "Roughness": roughness}, distribution="MULTI_GGX")
+    return closure(
+        f"Glossy {roughness}",
+        "BsdfAnisotropic",
+        {"Color": _WHITE, "Roughness": roughness},
+        distribution="MULTI_GGX",
+    )
 
 
 def _glass(roughness: float) -> bpy.types.Material:
@@ -58,8 +64,9 @@ def _plastic(roughness: float) -> bpy.types.Material:
 
 
 def _clear(roughness: float) -> bpy.types.Material:
-    return principled(f"Transmission {roughness}", _WHITE, roughness,
-                      {"Transmission Weight": 1.0, "IOR": 1.33})
+    return principled(
+        f"Transmission {roughness}", _WHITE, roughness, {"Transmission Weight": 1.0, "IOR": 1.33}
+    )
 
 
 ROWS = (_glossy, _metal, _plastic, _glass, _clear, _half_transparent)
@@ -82,8 +89,9 @@ def build(path: Path) -> None:
         for column, roughness in enumerate(ROUGHNESS):
             material = make(roughness)
             place(material.name, material, column - 3.0, 2.5 - row)
-    for row, (name, kind) in enumerate((("Lambert", "BsdfDiffuse"),
-                                        ("Translucent", "BsdfTranslucent"))):
+    for row, (name, kind) in enumerate(
+        (("Lambert", "BsdfDiffuse"), ("Translucent", "BsdfTranslucent"))
+    ):
         place(name, closure(name, kind, {"Color": _WHITE}), 2.0, 2.5 - row)
     for row, grey in enumerate(GREYS):
         item = place(f"Grey {grey}", diffuse(f"Grey {grey}", (grey, grey, grey)), 2.0, 0.5 - row)

@@ -8,7 +8,13 @@ from pathlib import Path
 import bpy
 
 from .common import (
-    SceneInfo, add_bevel, add_camera, add_object, new_scene, save_scene, set_world,
+    SceneInfo,
+    add_bevel,
+    add_camera,
+    add_object,
+    new_scene,
+    save_scene,
+    set_world,
 )
 from .materials import diffuse, emitter, new_material, principled
 from .props import vase
@@ -40,36 +46,67 @@ def build(path: Path) -> None:
     scene = new_scene(INFO)
     set_world(scene, (0.5, 0.6, 0.8), 0.08)
     surface = half_mirror("Half matte, three tenths mirror")
-    add_object("Backdrop", grid("Backdrop", (14.0, 9.0), (2, 64),
-                                lambda x, y: 0.9 * max(0.0, y - 1.2) ** 2),
-               diffuse("Backdrop", (0.32, 0.36, 0.42)), location=(0, 0, -0.08))
-    table = lathe("Table", [(0.0, -0.07), (1.48, -0.07), (1.5, -0.05), (1.5, -0.02), (1.48, 0.0),
-                            (0.0, 0.0)], 128, smooth=False)
+    add_object(
+        "Backdrop",
+        grid("Backdrop", (14.0, 9.0), (2, 64), lambda x, y: 0.9 * max(0.0, y - 1.2) ** 2),
+        diffuse("Backdrop", (0.32, 0.36, 0.42)),
+        location=(0, 0, -0.08),
+    )
+    table = lathe(
+        "Table",
+        [(0.0, -0.07), (1.48, -0.07), (1.5, -0.05), (1.5, -0.02), (1.48, 0.0), (0.0, 0.0)],
+        128,
+        smooth=False,
+    )
     add_object("Table", table, surface)
     add_object("Ball", ball("Ball", 0.42, 96, 48), surface, location=(0.0, 0.15, 0.42))
     screen = boxes("Screen", [((-0.55, -0.02, 0.0), (0.55, 0.02, 1.35))])
-    add_bevel(add_object("Screen", screen, surface, location=(-0.78, 0.72, 0.001),
-                         rotation=(0, 0, 24)), 0.006)
+    add_bevel(
+        add_object("Screen", screen, surface, location=(-0.78, 0.72, 0.001), rotation=(0, 0, 24)),
+        0.006,
+    )
     red = principled("Red", (0.65, 0.04, 0.03), 0.5)
     yellow = principled("Yellow", (0.85, 0.5, 0.03), 0.5)
     blue = principled("Blue", (0.03, 0.12, 0.5), 0.5)
     green = principled("Green", (0.06, 0.4, 0.12), 0.5)
-    add_bevel(add_object("Cube", box("Cube", (0.3, 0.3, 0.3)), red, location=(-0.62, -0.22, 0.001),
-                         rotation=(0, 0, 33)), 0.01)
+    add_bevel(
+        add_object(
+            "Cube",
+            box("Cube", (0.3, 0.3, 0.3)),
+            red,
+            location=(-0.62, -0.22, 0.001),
+            rotation=(0, 0, 33),
+        ),
+        0.01,
+    )
     cone = lathe("Cone", [(0.0, 0.0), (0.2, 0.0), (0.205, 0.012), (0.012, 0.5), (0.0, 0.507)], 64)
     cone.polygons.foreach_set("use_smooth", [False] * len(cone.polygons))
     add_object("Cone", cone, yellow, location=(0.72, 0.3, 0.001))
     add_object("Vase", vase("Vase", 0.62), blue, location=(0.62, 0.85, 0.001))
-    ring = lathe("Ring", [(0.15 + 0.055 * math.cos(a), 0.055 + 0.055 * math.sin(a))
-                          for a in (2 * math.pi * (i + 0.5) / 24 for i in range(24))], 64,
-                 closed=True)
+    ring = lathe(
+        "Ring",
+        [
+            (0.15 + 0.055 * math.cos(a), 0.055 + 0.055 * math.sin(a))
+            for a in (2 * math.pi * (i + 0.5) / 24 for i in range(24))
+        ],
+        64,
+        closed=True,
+    )
     add_object("Ring", ring, green, location=(0.42, -0.42, 0.001))
     lamp = emitter("Lamp", (1.0, 0.95, 0.88), 11.0)
-    add_object("Lamp", quad("Lamp", (-0.7, -0.5, 0), (-0.7, 0.5, 0), (0.7, 0.5, 0),
-                            (0.7, -0.5, 0)), lamp, location=(-1.3, -0.9, 2.9),
-               rotation=(24, -24, 0))
-    add_object("Cool lamp", quad("Cool lamp", (-0.25, -0.9, 0), (-0.25, 0.9, 0), (0.25, 0.9, 0),
-                                 (0.25, -0.9, 0)), emitter("Cool lamp", (0.5, 0.7, 1.0), 6.0),
-               location=(2.6, 0.2, 1.5), rotation=(0, 70, 0))
+    add_object(
+        "Lamp",
+        quad("Lamp", (-0.7, -0.5, 0), (-0.7, 0.5, 0), (0.7, 0.5, 0), (0.7, -0.5, 0)),
+        lamp,
+        location=(-1.3, -0.9, 2.9),
+        rotation=(24, -24, 0),
+    )
+    add_object(
+        "Cool lamp",
+        quad("Cool lamp", (-0.25, -0.9, 0), (-0.25, 0.9, 0), (0.25, 0.9, 0), (0.25, -0.9, 0)),
+        emitter("Cool lamp", (0.5, 0.7, 1.0), 6.0),
+        location=(2.6, 0.2, 1.5),
+        rotation=(0, 70, 0),
+    )
     add_camera(scene, (0.25, -3.35, 1.45), (-0.02, 0.1, 0.42), lens=38.0)
     save_scene(scene, path)

@@ -53,7 +53,7 @@ def packed_radiance(name: str, pixels: Array) -> bpy.types.Image:
 def value_noise(size: int, cells: int, seed: int, octaves: int = 4) -> Array:
     """Periodic value noise in [0, 1] of `size` x `size`, `cells` lumps across the first octave."""
     generator = np.random.default_rng(seed)
-    total = np.zeros((size, size))
+    total: Array = np.zeros((size, size))
     weight = 1.0
     for octave in range(octaves):
         n = cells * 2**octave
@@ -66,7 +66,8 @@ def value_noise(size: int, cells: int, seed: int, octaves: int = 4) -> Array:
         rows = lattice[low] * (1 - t)[:, None] + lattice[next_] * t[:, None]
         total += weight * (rows[:, low] * (1 - t) + rows[:, next_] * t)
         weight *= 0.5
-    return (total - total.min()) / (total.max() - total.min())
+    low_end, high_end = np.min(total), np.max(total)
+    return np.asarray((total - low_end) / (high_end - low_end))
 
 
 def normals_from_height(height: Array, strength: float) -> Array:
@@ -115,15 +116,14 @@ def leaf(size: int) -> Array:
 def rug(size: int) -> Array:
     """A woven rug with a border and nested lozenges, sRGB."""
     y, x = np.mgrid[0:size, 0:size] / size
-    palette = np.array([[0.58, 0.13, 0.11], [0.88, 0.8, 0.64], [0.13, 0.2, 0.32],
-                        [0.8, 0.55, 0.2]])
+    palette = np.array([[0.58, 0.13, 0.11], [0.88, 0.8, 0.64], [0.13, 0.2, 0.32], [0.8, 0.55, 0.2]])
     lozenge = (np.abs((x * 3) % 1 - 0.5) + np.abs((y * 2) % 1 - 0.5)) * 8
     index = lozenge.astype(int) % 4
     edge = np.minimum(np.minimum(x, 1 - x) * 1.5, np.minimum(y, 1 - y))
     index = np.where(edge < 0.09, ((x * 24).astype(int) + (y * 16).astype(int)) % 2 * 2, index)
     index = np.where((edge < 0.035) | (np.abs(edge - 0.09) < 0.008), 1, index)
     thread = 0.9 + 0.1 * np.sin(x * size * np.pi / 2) * np.sin(y * size * np.pi / 2)
-    return palette[index] * thread[..., None]
+    return np.asarray(palette[index] * thread[..., None])
 
 
 def landscape(width: int, height: int) -> Array:
@@ -133,9 +133,13 @@ def landscape(width: int, height: int) -> Array:
     top, low = np.array([0.16, 0.32, 0.46]), np.array([0.97, 0.78, 0.52])
     color = low + (top - low) * np.clip((y - 0.3) / 0.7, 0, 1)[..., None]
     color[np.hypot((x - 0.66) * width / height, y - 0.56) < 0.1] = [0.98, 0.93, 0.78]
-    hills = [(0.5, 0.07, 5.0, [0.62, 0.55, 0.53]), (0.4, 0.08, 7.0, [0.42, 0.4, 0.46]),
-             (0.27, 0.06, 9.0, [0.2, 0.26, 0.36]), (0.13, 0.05, 6.0, [0.08, 0.13, 0.2])]
+    hills = [
+        (0.5, 0.07, 5.0, [0.62, 0.55, 0.53]),
+        (0.4, 0.08, 7.0, [0.42, 0.4, 0.46]),
+        (0.27, 0.06, 9.0, [0.2, 0.26, 0.36]),
+        (0.13, 0.05, 6.0, [0.08, 0.13, 0.2]),
+    ]
     for phase, (level, swell, frequency, tint) in enumerate(hills):
         line = level + swell * np.sin(frequency * x + 2 * phase) + 0.02 * np.sin(31 * x + phase)
         color[y < line] = tint
-    return color**0.75
+    return np.asarray(color**0.75)

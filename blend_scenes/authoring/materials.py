@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
 
 import bpy
 
-Value = float | Sequence[float] | bpy.types.NodeSocket
+# A constant, or the socket (bpy.types.NodeSocket) to link; Blender's types are unknown to mypy.
+Value: TypeAlias = Any
 
 
 class Nodes:
@@ -28,8 +30,8 @@ class Nodes:
         node = self.tree.nodes.new(prefix + kind)
         node.location = (220 * (self._count % 8) - 1600, 320 - 300 * (self._count // 8))
         self._count += 1
-        for key, value in settings.items():
-            setattr(node, key, value)
+        for setting, constant in settings.items():
+            setattr(node, setting, constant)
         for key, value in (inputs or {}).items():
             self.set_input(node, key, value)
         return node
@@ -48,7 +50,9 @@ class Nodes:
             target.default_value = components
 
     def ramp(
-        self, factor: Value, stops: Sequence[tuple[float, Sequence[float]]],
+        self,
+        factor: Value,
+        stops: Sequence[tuple[float, Sequence[float]]],
         interpolation: str = "LINEAR",
     ) -> bpy.types.NodeSocket:
         """Adds a Color Ramp with the given (position, color) stops; returns its color."""
@@ -62,9 +66,7 @@ class Nodes:
             element.color = (*color, 1.0) if len(color) == 3 else color
         return node.outputs["Color"]
 
-    def mix(
-        self, factor: Value, a: Value, b: Value, blend: str = "MIX"
-    ) -> bpy.types.NodeSocket:
+    def mix(self, factor: Value, a: Value, b: Value, blend: str = "MIX") -> bpy.types.NodeSocket:
         """Adds a Mix node for colors; returns the result."""
         node = self.add("Mix", data_type="RGBA", blend_type=blend)
         names = {socket.identifier: index for index, socket in enumerate(node.inputs)}
@@ -77,8 +79,9 @@ class Nodes:
         """Adds a Math node; returns its value."""
         return self.add("Math", {0: a, 1: b}, operation=operation).outputs["Value"]
 
-    def coordinates(self, kind: str, scale: Sequence[float] = (1, 1, 1),
-                    rotation: Sequence[float] = (0, 0, 0)) -> bpy.types.NodeSocket:
+    def coordinates(
+        self, kind: str, scale: Sequence[float] = (1, 1, 1), rotation: Sequence[float] = (0, 0, 0)
+    ) -> bpy.types.NodeSocket:
         """Adds Texture Coordinate (`kind`: Object, UV, Generated, ...) and Mapping; returns it."""
         source = self.add("TexCoord").outputs[kind]
         mapping = self.add("Mapping", {"Vector": source, "Scale": scale, "Rotation": rotation})
@@ -97,8 +100,9 @@ def new_material(name: str) -> tuple[bpy.types.Material, Nodes]:
     return material, Nodes(material.node_tree)
 
 
-def closure(name: str, kind: str, inputs: Mapping[str | int, Value], **settings: object
-            ) -> bpy.types.Material:
+def closure(
+    name: str, kind: str, inputs: Mapping[str | int, Value], **settings: object
+) -> bpy.types.Material:
     """Makes a material of one closure node, for example `Bsdf Diffuse` as kind `BsdfDiffuse`."""
     material, nodes = new_material(name)
     nodes.output(nodes.add(kind, inputs, **settings).outputs[0])
@@ -115,8 +119,9 @@ def emitter(name: str, color: Sequence[float], strength: float) -> bpy.types.Mat
     return closure(name, "Emission", {"Color": color, "Strength": strength})
 
 
-def glass(name: str, ior: float = 1.5, roughness: float = 0.0,
-          color: Sequence[float] = (1, 1, 1)) -> bpy.types.Material:
+def glass(
+    name: str, ior: float = 1.5, roughness: float = 0.0, color: Sequence[float] = (1, 1, 1)
+) -> bpy.types.Material:
     """A dielectric; smooth at roughness 0."""
     return closure(name, "BsdfGlass", {"Color": color, "Roughness": roughness, "IOR": ior})
 
@@ -127,9 +132,12 @@ def metal(name: str, color: Sequence[float], roughness: float) -> bpy.types.Mate
 
 
 def principled(
-    name: str, color: Sequence[float], roughness: float,
+    name: str,
+    color: Sequence[float],
+    roughness: float,
     inputs: Mapping[str | int, Value] | None = None,
 ) -> bpy.types.Material:
     """The Principled node with constant inputs."""
-    return closure(name, "BsdfPrincipled",
-                   {"Base Color": color, "Roughness": roughness, **(inputs or {})})
+    return closure(
+        name, "BsdfPrincipled", {"Base Color": color, "Roughness": roughness, **(inputs or {})}
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import bpy
 from mathutils import Vector
@@ -54,8 +55,16 @@ def boxes(name: str, bounds: Sequence[tuple[Point, Point]]) -> bpy.types.Mesh:
     for low, high in bounds:
         first = len(vertices)
         (x0, y0, z0), (x1, y1, z1) = low, high
-        corners = [(x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0),
-                   (x0, y0, z1), (x1, y0, z1), (x1, y1, z1), (x0, y1, z1)]
+        corners = [
+            (x0, y0, z0),
+            (x1, y0, z0),
+            (x1, y1, z0),
+            (x0, y1, z0),
+            (x0, y0, z1),
+            (x1, y0, z1),
+            (x1, y1, z1),
+            (x0, y1, z1),
+        ]
         vertices += corners
         for face, (u, v) in zip(_BOX_FACES, _BOX_AXES, strict=True):
             faces.append(tuple(first + index for index in face))
@@ -71,8 +80,12 @@ def box(name: str, size: Point, *, on_floor: bool = True) -> bpy.types.Mesh:
 
 
 def grid(
-    name: str, size: tuple[float, float], cells: tuple[int, int],
-    height: Callable[[float, float], float] = lambda x, y: 0.0, *, smooth: bool = True,
+    name: str,
+    size: tuple[float, float],
+    cells: tuple[int, int],
+    height: Callable[[float, float], float] = lambda x, y: 0.0,
+    *,
+    smooth: bool = True,
 ) -> bpy.types.Mesh:
     """A height field centred on the origin, normals up, UVs from 0 to 1."""
     columns, rows = cells
@@ -83,10 +96,14 @@ def grid(
             y = size[1] * (row / rows - 0.5)
             vertices.append((x, y, height(x, y)))
     stride = columns + 1
-    faces = [(j * stride + i, j * stride + i + 1, (j + 1) * stride + i + 1, (j + 1) * stride + i)
-             for j in range(rows) for i in range(columns)]
-    uvs = [((index % stride) / columns, (index // stride) / rows)
-           for face in faces for index in face]
+    faces = [
+        (j * stride + i, j * stride + i + 1, (j + 1) * stride + i + 1, (j + 1) * stride + i)
+        for j in range(rows)
+        for i in range(columns)
+    ]
+    uvs = [
+        ((index % stride) / columns, (index // stride) / rows) for face in faces for index in face
+    ]
     return polygons(name, vertices, faces, smooth=smooth, uvs=uvs)
 
 
@@ -99,14 +116,25 @@ def spline(points: Sequence[Point], steps: int) -> list[Vector]:
         p0, p1, p2, p3 = knots[i - 1 : i + 3]
         for step in range(steps):
             t = step / steps
-            samples.append(0.5 * (2 * p1 + (p2 - p0) * t + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t * t
-                                  + (3 * p1 - p0 - 3 * p2 + p3) * t**3))
+            samples.append(
+                0.5
+                * (
+                    2 * p1
+                    + (p2 - p0) * t
+                    + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t * t
+                    + (3 * p1 - p0 - 3 * p2 + p3) * t**3
+                )
+            )
     return [*samples, knots[-2]]
 
 
 def lathe(
-    name: str, profile: Sequence[tuple[float, float]], segments: int = 48, *,
-    closed: bool = False, smooth: bool = True,
+    name: str,
+    profile: Sequence[tuple[float, float]],
+    segments: int = 48,
+    *,
+    closed: bool = False,
+    smooth: bool = True,
 ) -> bpy.types.Mesh:
     """Turns a profile of (radius, z) about Z; normals point right of the profile's direction.
 
@@ -125,13 +153,17 @@ def lathe(
             angle = 2 * math.pi * i / segments
             vertices.append((radius * math.cos(angle), radius * math.sin(angle), z))
         rings.append([*range(first, first + segments), first])
-    pairs = list(zip(rings, rings[1:], strict=False)) + ([(rings[-1], rings[0])] if closed else [])
+    pairs = list(pairwise(rings)) + ([(rings[-1], rings[0])] if closed else [])
     faces: list[list[int]] = []
     uvs: list[tuple[float, float]] = []
     for row, (low, high) in enumerate(pairs):
         for i in range(segments):
-            corners = [(low[i], i, row), (low[i + 1], i + 1, row),
-                       (high[i + 1], i + 1, row + 1), (high[i], i, row + 1)]
+            corners = [
+                (low[i], i, row),
+                (low[i + 1], i + 1, row),
+                (high[i + 1], i + 1, row + 1),
+                (high[i], i, row + 1),
+            ]
             unique = [c for k, c in enumerate(corners) if c[0] != corners[k - 1][0]]
             if len(unique) > 2:
                 faces.append([c[0] for c in unique])
@@ -141,8 +173,10 @@ def lathe(
 
 def ball(name: str, radius: float, segments: int = 48, rings: int = 24) -> bpy.types.Mesh:
     """A sphere about the origin."""
-    profile = [(radius * math.sin(math.pi * i / rings), -radius * math.cos(math.pi * i / rings))
-               for i in range(rings + 1)]
+    profile = [
+        (radius * math.sin(math.pi * i / rings), -radius * math.cos(math.pi * i / rings))
+        for i in range(rings + 1)
+    ]
     profile[0], profile[-1] = (0.0, -radius), (0.0, radius)
     return lathe(name, profile, segments)
 
@@ -154,7 +188,11 @@ def cylinder(name: str, radius: float, height: float, segments: int = 32) -> bpy
 
 
 def tube(
-    name: str, path: Sequence[Point], radii: Sequence[float] | float, segments: int = 12, *,
+    name: str,
+    path: Sequence[Point],
+    radii: Sequence[float] | float,
+    segments: int = 12,
+    *,
     loop: bool = False,
 ) -> bpy.types.Mesh:
     """Sweeps a circle along a path, by parallel transport of its frame; ends are closed."""
@@ -181,8 +219,12 @@ def tube(
         for k in range(segments):
             n = (k + 1) % segments
             faces.append((low + k, low + n, high + n, high + k))
-            uvs += [(k / segments, i / count), ((k + 1) / segments, i / count),
-                    ((k + 1) / segments, (i + 1) / count), (k / segments, (i + 1) / count)]
+            uvs += [
+                (k / segments, i / count),
+                ((k + 1) / segments, i / count),
+                ((k + 1) / segments, (i + 1) / count),
+                (k / segments, (i + 1) / count),
+            ]
     if not loop:
         last = (count - 1) * segments
         faces.append(tuple(reversed(range(segments))))

@@ -43,28 +43,50 @@ def build(path: Path) -> None:
     scene = new_scene(INFO)
     matte = diffuse("Matte", (0.4, 0.4, 0.4))
     # Floor and back wall join in a rounded fold.
-    fold = [(-12.0, -4.14615)] + [
-        (0.5 + 2.0 * math.sin(a), -2.14615 - 2.0 * math.cos(a))
-        for a in (math.pi / 2 * i / 24 for i in range(25))] + [(2.5, 12.0)]
+    fold = (
+        [(-12.0, -4.14615)]
+        + [
+            (0.5 + 2.0 * math.sin(a), -2.14615 - 2.0 * math.cos(a))
+            for a in (math.pi / 2 * i / 24 for i in range(25))
+        ]
+        + [(2.5, 12.0)]
+    )
     vertices = [(x, y, z) for y, z in fold for x in (-14.0, 14.0)]
     faces = [(2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2) for i in range(len(fold) - 1)]
     add_object("Stage", polygons("Stage", vertices, faces, smooth=True), matte)
     for number, (roughness, near, far) in enumerate(_PLATES, 1):
-        corners = [(-4.0, -near[1], near[0]), (4.0, -near[1], near[0]),
-                   (4.0, -far[1], far[0]), (-4.0, -far[1], far[0])]
+        corners = [
+            (-4.0, -near[1], near[0]),
+            (4.0, -near[1], near[0]),
+            (4.0, -far[1], far[0]),
+            (-4.0, -far[1], far[0]),
+        ]
         below = [(x, y, z - 0.06) for x, y, z in corners]
         sides = [(i + 4, (i + 1) % 4 + 4, (i + 1) % 4, i) for i in range(4)]
-        plate = polygons(f"Plate {number}", [*corners, *below],
-                         [(0, 1, 2, 3), (7, 6, 5, 4), *sides])
-        add_bevel(add_object(f"Plate {number}", plate,
-                             metal(f"Roughness {roughness}", (0.75, 0.77, 0.8), roughness)), 0.015)
+        plate = polygons(
+            f"Plate {number}", [*corners, *below], [(0, 1, 2, 3), (7, 6, 5, 4), *sides]
+        )
+        add_bevel(
+            add_object(
+                f"Plate {number}",
+                plate,
+                metal(f"Roughness {roughness}", (0.75, 0.77, 0.8), roughness),
+            ),
+            0.015,
+        )
     for number, (x, radius, radiance, color) in enumerate(_LAMPS, 1):
         name = f"Ball lamp {number}"
-        add_object(name, ball(name, radius, 32, 16), emitter(name, color, radiance),
-                   location=(x, 0.0, 0.0))
+        add_object(
+            name, ball(name, radius, 32, 16), emitter(name, color, radiance), location=(x, 0.0, 0.0)
+        )
     # A weak lamp behind the camera lets the stage be seen.
-    add_object("Fill lamp", ball("Fill lamp", 0.5, 32, 16), emitter("Fill lamp", (1, 1, 1), 260.0),
-               location=(10.0, -4.0, 10.0))
-    add_camera(scene, (0.0, -15.0, 2.0), (0.0, -2.5, -2.0), lens=36.0 / (2 * math.tan(
-        math.radians(19.0))))
+    add_object(
+        "Fill lamp",
+        ball("Fill lamp", 0.5, 32, 16),
+        emitter("Fill lamp", (1, 1, 1), 260.0),
+        location=(10.0, -4.0, 10.0),
+    )
+    add_camera(
+        scene, (0.0, -15.0, 2.0), (0.0, -2.5, -2.0), lens=36.0 / (2 * math.tan(math.radians(19.0)))
+    )
     save_scene(scene, path)

@@ -216,7 +216,8 @@ def show_progress(engine: bpy.types.RenderEngine, session: Any, with_error: bool
     progress = session.poll(with_error)
     engine.update_stats("", stats_line(progress))
     engine.update_progress(_fraction(progress))
-    engine.update_memory_stats(*memory_megabytes())
+    used, peak = memory_megabytes()
+    engine.update_memory_stats(memory_used=used, memory_peak=peak)
     return progress
 
 

@@ -1,8 +1,8 @@
 """Scene descriptions in files.
 
 A file is an npz archive (zip) of two arrays of bytes. `header` is JSON in UTF-8: the dataclasses'
-fields, with `{"array": [dtype, shape, offset]}` where an array stands and `{"link": [node, output]}`
-where a link does. `data` holds the arrays one after another. Nothing in a file is executed.
+fields, with `{"array": [dtype, shape, offset]}` for an array and `{"link": [node, output]}` for a
+link. `data` holds the arrays one after another. Nothing in a file is executed.
 """
 
 from __future__ import annotations

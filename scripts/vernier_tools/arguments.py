@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from typing import NoReturn
 
 
 def positive_int(text: str) -> int:
@@ -38,3 +39,10 @@ def frame_range(text: str) -> range:
     if not found or int(found[1]) > int(found[2]):
         raise argparse.ArgumentTypeError(f"{text!r} is not FIRST-LAST")
     return range(int(found[1]), int(found[2]) + 1)
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line: no usage is printed before them."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: error: {message}\n")

@@ -5,7 +5,10 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from contextlib import suppress
 from typing import TextIO
+
+from vernier_tools.errors import report
 
 
 class Capture:
@@ -37,3 +40,13 @@ class Capture:
         lines = (line.strip() for line in self.text().splitlines())
         found = (line.split(mark, 1)[1] for line in lines if line.startswith(mark))
         return list(dict.fromkeys(found))
+
+    def report(self, command: str, error: object) -> None:
+        """Tells the user of an error, on the terminal."""
+        report(command, error, self.terminal_error)
+
+    def flush(self) -> None:
+        """Makes sure that all written is on its way; a reader that has gone is no error."""
+        for stream in (self.terminal, self.terminal_error):
+            with suppress(BrokenPipeError):
+                stream.flush()

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from vernier_tools import images, jobs, metrics
-from vernier_tools.arguments import positive_float, positive_int, resolution
+from vernier_tools.arguments import Parser, positive_float, positive_int, resolution
 from vernier_tools.comparison_page import write_page
 from vernier_tools.errors import ToolError, report
 from vernier_tools.images import FloatImage
@@ -21,7 +21,7 @@ COMMAND = "scripts/compare_cycles"
 
 
 def parse(arguments: list[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog=COMMAND,
         description="Renders SCENE with Vernier and with Cycles under equal settings (Cycles' "
         "biases off) and writes a page with both pictures, their difference and the figures. Each "

@@ -96,3 +96,4 @@ def register_vernier() -> None:
     """Registers the project's add-on, once."""
     if not hasattr(bpy.types.Scene, "vernier"):
         importlib.import_module("addon").register()
+        importlib.import_module("addon.record")

@@ -106,7 +106,25 @@ class Environment:
             return
         self.say("installing " + ", ".join(requirement_names(missing)) + " (once)")
         self.pip(["install", *missing], "installing packages")
+        self.install_build_tools()
         stamp.write_text("\n".join(sorted({*installed, *wanted})) + "\n")
+
+    def install_build_tools(self) -> None:
+        """What the build backend asks for beyond its requirements: CMake, where it is missing."""
+        backend = self.project["build-system"]["build-backend"]
+        ask = f"import {backend} as b; print(*b.get_requires_for_build_wheel(), sep='\\n')"
+        folders = self.project["build-system"].get("backend-path", [])
+        done = subprocess.run(
+            [str(self.python), "-c", ask],
+            cwd=self.root,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(folders)},
+            capture_output=True,
+            text=True,
+        )
+        if done.returncode != 0:
+            raise ToolError(f"the build backend {backend} does not work: {done.stderr[-300:]}")
+        if tools := done.stdout.split("\n")[:-1]:
+            self.pip(["install", *filter(None, tools)], "installing build tools")
 
     def build_core(self) -> None:
         stamp = self.folder / "core.stamp"
@@ -194,9 +212,7 @@ def find_compiler(scratch: Path) -> str:
         raise ToolError(f"CXX={chosen} does not compile C++20 (g++ 12 or clang 15 is needed)")
     if rejected:
         found = ", ".join(rejected)
-        raise ToolError(
-            f"no C++ compiler is new enough: g++ 12 or clang 15 is needed; have {found}"
-        )
+        raise ToolError(f"g++ 12 or clang 15 or later is needed; too old: {found}")
     raise ToolError("no C++ compiler was found: install g++ (12 or later) or clang (15 or later)")
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
+from typing import TextIO
 
 
 class ToolError(Exception):
     """What the user is told, in one line, when a command cannot go on."""
 
 
-def report(command: str, error: object) -> None:
-    """Writes `command: error: …` to standard error, line breaks folded into one line."""
+def report(command: str, error: object, stream: TextIO | None = None) -> None:
+    """Writes `command: error: …` to `stream` (standard error), line breaks folded into one line."""
     text = " ".join(str(error).split())
-    print(f"{command}: error: {text}", file=sys.stderr, flush=True)
+    print(f"{command}: error: {text}", file=stream or sys.stderr, flush=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO
 from numpy.typing import NDArray
 
 from vernier_tools.errors import ToolError
@@ -17,12 +17,12 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)  # of linear Rec.709 
 
 def read_combined(path: Path) -> FloatImage:
     """The Combined pass of a multilayer EXR, or the colours of any other picture: (h, w, 3)."""
-    source = oiio.ImageInput.open(str(path))
+    source = OpenImageIO.ImageInput.open(str(path))
     if source is None:
-        raise ToolError(f"{path}: {oiio.geterror()}")
+        raise ToolError(f"{path}: {OpenImageIO.geterror()}")
     try:
         names = list(source.spec().channelnames)
-        pixels = source.read_image(oiio.FLOAT)
+        pixels = source.read_image(OpenImageIO.FLOAT)
     finally:
         source.close()
     if pixels is None:
@@ -36,11 +36,13 @@ def write_png(path: Path, image: FloatImage) -> None:
     """Writes values in [0, 1] (already encoded for display) as an 8-bit PNG, clipping others."""
     pixels = np.clip(np.nan_to_num(image) * 255 + 0.5, 0, 255).astype(np.uint8)
     height, width, channels = pixels.shape
-    output = oiio.ImageOutput.create(str(path))
+    output = OpenImageIO.ImageOutput.create(str(path))
     if output is None:
-        raise ToolError(f"{path}: {oiio.geterror()}")
+        raise ToolError(f"{path}: {OpenImageIO.geterror()}")
     try:
-        if not output.open(str(path), oiio.ImageSpec(width, height, channels, oiio.UINT8)):
+        if not output.open(
+            str(path), OpenImageIO.ImageSpec(width, height, channels, OpenImageIO.UINT8)
+        ):
             raise ToolError(f"{path}: {output.geterror()}")
         output.write_image(np.ascontiguousarray(pixels))
     finally:

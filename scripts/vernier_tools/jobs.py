@@ -57,7 +57,7 @@ class Render:
     `first_sample` is when sampling began (export and building done), `first_tile` when the first
     pixels were there; `sampling` and `samples` say how long sampling lasted and what it achieved.
     `cpu` is the processor time of all threads. `memory` is by how much the process grew at its
-    peak.
+    peak. `rays` is 0 where the engine does not count them.
     """
 
     seed: int
@@ -66,9 +66,10 @@ class Render:
     first_sample: float
     first_tile: float
     sampling: float
-    samples: int
+    samples: float
     memory: int
     peak_memory: int
+    rays: int
 
     def samples_per_second(self, pixels: int) -> float:
         return self.samples * pixels / self.sampling
@@ -120,7 +121,8 @@ def job_from_json(data: dict[str, object]) -> Job:
 def outcome_from_json(data: dict[str, object]) -> Outcome:
     """The inverse of `json.dumps(asdict(outcome))`."""
     renders, warnings = data["renders"], data["warnings"]
-    assert isinstance(renders, list) and isinstance(warnings, list)
+    assert isinstance(renders, list)
+    assert isinstance(warnings, list)
     rest = {key: value for key, value in data.items() if key not in ("renders", "warnings")}
     return Outcome(
         renders=tuple(Render(**render) for render in renders),

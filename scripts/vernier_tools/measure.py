@@ -4,37 +4,53 @@ from __future__ import annotations
 
 import re
 import resource
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 
 from vernier_tools.errors import ToolError
 from vernier_tools.jobs import Render
 
+if TYPE_CHECKING:
+    from addon.record import RenderRecord
+
 # Both engines' statistics lines hold "Sample 12/64".
 SAMPLE = re.compile(r"Sample (\d+)")
 
 
-class StatsWatch:
-    """Follows the engine's statistics lines while it renders and notes when what happened."""
+class RenderWatch:
+    """Follows a render operation: its statistics lines, and what Vernier records of itself.
+
+    Cycles tells of its samples in the statistics lines alone.
+    """
 
     def __init__(self, listener: Callable[[str], None] | None = None) -> None:
         self.listener = listener
+        self.records: list[RenderRecord] = []
+        self.listeners: list[Callable[[RenderRecord], None]] = []
         self.start = time.perf_counter()
         self.first_sample = 0.0
         self.first_tile = 0.0
         self.last_tile = 0.0
-        self.samples = 0
+        self.samples = 0.0
 
-    def __enter__(self) -> StatsWatch:
+    def __enter__(self) -> RenderWatch:
+        self.listeners = record_listeners()
+        self.listeners.append(self.on_record)
         bpy.app.handlers.render_stats.append(self.on_stats)
         self.start = time.perf_counter()
         return self
 
     def __exit__(self, *exception: object) -> None:
         bpy.app.handlers.render_stats.remove(self.on_stats)
+        self.listeners.remove(self.on_record)
+
+    def on_record(self, record: RenderRecord) -> None:
+        self.records.append(record)
 
     def on_stats(self, text: str, _unused: object = None) -> None:
         if self.listener:
@@ -51,6 +67,22 @@ class StatsWatch:
             self.first_tile = self.first_tile or now
             self.last_tile = now
             self.samples = samples
+
+    def use_records(self) -> None:
+        """Takes times and samples from Vernier's records, which are exact."""
+        if not self.records:
+            return
+        self.first_sample = self.records[0].compiled - self.start
+        self.first_tile = self.records[0].first_tile - self.start
+        self.last_tile = self.first_sample + sum(r.progress.seconds for r in self.records)
+        self.samples = self.records[0].progress.samples
+
+
+def record_listeners() -> list[Callable[[RenderRecord], None]]:
+    """The add-on's list of those to be told of a finished render; empty and unused without it."""
+    module = sys.modules.get("addon.record")
+    found: list[Callable[[RenderRecord], None]] = module.listeners if module else []
+    return found
 
 
 def reset_peak_memory() -> int:
@@ -72,11 +104,14 @@ def processor_seconds() -> float:
     return usage.ru_utime + usage.ru_stime
 
 
-def render_measured(seed: int) -> Render:
-    """Renders the context's scene and measures it. Raises ToolError when the engine fails."""
+def render_measured(seed: int) -> tuple[Render, list[RenderRecord]]:
+    """Renders the context's scene and measures it; with what Vernier recorded.
+
+    Raises ToolError when the engine fails.
+    """
     memory = reset_peak_memory()
     cpu = processor_seconds()
-    with StatsWatch() as watch:
+    with RenderWatch() as watch:
         try:
             done = bpy.ops.render.render()
         except RuntimeError as error:
@@ -84,10 +119,11 @@ def render_measured(seed: int) -> Render:
         seconds = time.perf_counter() - watch.start
     if done != {"FINISHED"}:
         raise ToolError("the render was cancelled")
+    watch.use_records()
     if not watch.samples:
         raise ToolError("the engine never told of a sample")
     peak = status_bytes("VmHWM")
-    return Render(
+    render = Render(
         seed=seed,
         seconds=seconds,
         cpu=processor_seconds() - cpu,
@@ -97,4 +133,6 @@ def render_measured(seed: int) -> Render:
         samples=watch.samples,
         memory=max(peak - memory, 0),
         peak_memory=peak,
+        rays=sum(record.progress.rays for record in watch.records),
     )
+    return render, watch.records

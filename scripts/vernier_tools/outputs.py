@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,6 +84,22 @@ def save_render(scene: bpy.types.Scene, path: Path) -> None:
         settings.exr_codec = "ZIP"
     elif kind.identifier == "JPEG":
         settings.quality = 95
+    with uninterrupted():
+        save_whole(scene, path)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Holds back an interruption until the block is done, so that no temporary file stays."""
+    signals = {signal.SIGINT, signal.SIGTERM}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def save_whole(scene: bpy.types.Scene, path: Path) -> None:
     handle, name = tempfile.mkstemp(path.suffix, f".{path.stem}-", path.parent)
     os.close(handle)
     try:

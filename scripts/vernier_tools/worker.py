@@ -28,9 +28,12 @@ def work(job: Job, capture: Capture) -> Outcome:
     scene = generated_scenes.make(made) if made else open_blend(Path(job.blend))
     require_camera(scene)
     renders = []
+    warnings: dict[str, None] = {}
     for seed in job.seeds:
         engines.set_up(scene, job, seed)
-        renders.append(render_measured(seed))
+        render, records = render_measured(seed)
+        renders.append(render)
+        warnings |= dict.fromkeys(text for record in records for text in record.messages)
         if job.output:
             outputs.save_render(scene, Path(f"{job.output}-{seed}.exr"))
             if job.view:
@@ -43,7 +46,7 @@ def work(job: Job, capture: Capture) -> Outcome:
         height=scene.render.resolution_y * percentage // 100,
         triangles=count_triangles(),
         renders=tuple(renders),
-        warnings=tuple(capture.messages("Warning")),
+        warnings=tuple(warnings or capture.messages("Warning")),
     )
 
 

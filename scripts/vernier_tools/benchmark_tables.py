@@ -1,0 +1,96 @@
+"""The benchmark's results as Markdown tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from vernier_tools.jobs import ENGINES
+
+Figures = Mapping[str, Any]
+
+
+def markdown(results: Figures) -> str:
+    """All tables. Ratios are Vernier's figure over Cycles'."""
+    parts = [
+        f"{results['machine']}; medians of {results['repeats']} renders, each engine in a process "
+        "of its own, in turns. Ratios are Vernier over Cycles.\n"
+    ]
+    if results["scenes"]:
+        parts += ["## Scenes\n", scenes_note(results), scene_table(results["scenes"])]
+    if results["sizes"]:
+        parts += ["## Sizes\n", size_table(results["sizes"])]
+    if results["failures"]:
+        parts += ["## Failures\n", "\n".join(f"- {line}" for line in results["failures"]) + "\n"]
+    return "\n".join(parts)
+
+
+def scenes_note(results: Figures) -> str:
+    return (
+        f"Renders of {results['seconds']:g} s; the relative squared error is the mean of "
+        "(I - R)^2 / (R^2 + 0.01 mean(R)^2), the reference's own noise subtracted. The mean ratio "
+        f"is of the references, {results['reference_seconds']:g} s by each engine.\n"
+    )
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def column_heads(engines: Sequence[str], name: str, ratio: bool = True) -> list[str]:
+    heads = [f"{ENGINES[engine]} {name}" for engine in engines]
+    return [*heads, "ratio"] if ratio and paired(engines) else heads
+
+
+def paired(engines: Sequence[str]) -> bool:
+    return set(engines) == {"vernier", "cycles"}
+
+
+def cells(entry: Figures, key: str, show: Callable[[float], str]) -> list[str]:
+    """One cell for each engine, then the ratio where both are there."""
+    engines = entry["engines"]
+    values = [show(figures[key]) for figures in engines.values()]
+    if paired(list(engines)):
+        ours, theirs = engines["vernier"][key], engines["cycles"][key]
+        values.append(f"{ours / theirs:.2f}" if theirs > 0 else "")
+    return values
+
+
+def scene_table(entries: Sequence[Figures]) -> str:
+    engines = list(entries[0]["engines"])
+    head = ["scene", "triangles", "pixels"]
+    head += column_heads(engines, "Msamples/s")
+    head += column_heads(engines, "error")
+    head += column_heads(engines, "first tile, s")
+    head += column_heads(engines, "memory, MiB")
+    head += ["mean ratio", "reference noise"]
+    rows = []
+    for entry in entries:
+        row = [entry["scene"], f"{entry['triangles']:,}", f"{entry['width']}x{entry['height']}"]
+        row += cells(entry, "samples_per_second", lambda v: f"{v / 1e6:.3f}")
+        row += cells(entry, "error", lambda v: f"{v:.3g}")
+        row += cells(entry, "first_tile", lambda v: f"{v:.2f}")
+        row += cells(entry, "memory", lambda v: f"{v / 2**20:.0f}")
+        if "mean_ratio" in entry:
+            row.append(f"{entry['mean_ratio']:.4f} ± {entry['mean_ratio_error']:.4f}")
+        else:
+            row.append("")
+        rows.append([*row, f"{entry['reference_noise']:.2g}"])
+    return table(head, rows)
+
+
+def size_table(entries: Sequence[Figures]) -> str:
+    engines = list(entries[0]["engines"])
+    head = ["triangles", "kind"]
+    head += column_heads(engines, "export and build, s")
+    head += column_heads(engines, "first tile, s")
+    head += column_heads(engines, "memory, MiB")
+    rows = []
+    for entry in entries:
+        row = [f"{entry['triangles']:,}", "instanced" if entry["instanced"] else "flat"]
+        row += cells(entry, "first_sample", lambda v: f"{v:.2f}")
+        row += cells(entry, "first_tile", lambda v: f"{v:.2f}")
+        row += cells(entry, "memory", lambda v: f"{v / 2**20:.0f}")
+        rows.append(row)
+    return table(head, rows)

@@ -1,0 +1,121 @@
+"""The benchmark: its measures, its tables, and a short run with Cycles alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import CORNELL_BOX, Tool
+from vernier_tools import benchmark_tables, jobs, references
+
+
+def entry(engines: list[str]) -> dict[str, object]:
+    figures = {
+        name: {
+            "samples_per_second": 2e6 / (index + 1),
+            "error": 0.01 * (index + 1),
+            "first_sample": 0.5,
+            "first_tile": 1.0,
+            "memory": 2**20 * 8,
+            "peak_memory": 2**20 * 300,
+        }
+        for index, name in enumerate(engines)
+    }
+    return {
+        "scene": "box",
+        "triangles": 1234,
+        "width": 8,
+        "height": 6,
+        "reference_noise": 0.001,
+        "instanced": True,
+        "engines": figures,
+    }
+
+
+def results(engines: list[str]) -> dict[str, object]:
+    return {
+        "machine": "machine",
+        "seconds": 8,
+        "repeats": 3,
+        "reference_seconds": 60,
+        "scenes": [entry(engines)],
+        "sizes": [entry(engines)],
+        "failures": ["pool: it rained"],
+    }
+
+
+def test_tables_show_ratios_of_vernier_over_cycles() -> None:
+    text = benchmark_tables.markdown(results(["vernier", "cycles"]))
+    assert "| box | 1,234 | 8x6 | 2.000 | 1.000 | 2.00 | 0.01 | 0.02 | 0.50 |" in text
+    assert "pool: it rained" in text
+    for block in text.split("\n\n"):
+        if block.startswith("|"):
+            widths = {line.count("|") for line in block.strip().splitlines()}
+            assert len(widths) == 1
+
+
+def test_tables_of_one_engine_have_no_ratios() -> None:
+    text = benchmark_tables.markdown(results(["cycles"]))
+    assert "ratio" not in text.split("## Scenes")[1].split("|\n")[0].replace("mean ratio", "")
+    assert "| box | 1,234 | 8x6 | 2.000 | 0.01 | 1.00 | 8 |" in text
+
+
+def test_the_noise_of_a_reference_is_known_and_taken_off(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    rng = np.random.default_rng(1)
+    truth = rng.uniform(0.5, 2.0, (64, 64, 3)).astype(np.float32)
+
+    def render(sigma: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
+        return (truth + rng.normal(0, sigma, truth.shape)).astype(np.float32)
+
+    def long_render(*_: object) -> object:
+        return render(0.1), render(0.1)
+
+    monkeypatch.setattr(references, "long_render", long_render)
+    job = jobs.Job(engine="", blend="", output="")
+    reference = references.make(job, ["vernier", "cycles"], 1.0, tmp_path)
+    weight = float(np.mean(1 / (truth**2 + 0.01 * np.mean(truth) ** 2)))
+    # Four independent pictures of variance 0.01 are averaged.
+    assert reference.noise == pytest.approx(0.1**2 / 4 * weight, rel=0.1)
+    error = reference.error_of(render(0.3))
+    assert error == pytest.approx(0.3**2 * weight, rel=0.1)
+
+
+def test_a_short_run_writes_its_results_and_keeps_references(tool: Tool, tmp_path: Path) -> None:
+    arguments = [
+        CORNELL_BOX, "--engines", "cycles", "--references", "cycles", "--parts", "scenes,sizes",
+        "--time", 0.3, "--reference-time", 1, "--repeats", 1, "--triangles", 0.01,
+        "--resolution", "24x16", "--cache", "cache", "-o", "results",
+    ]  # fmt: skip
+    done = tool("benchmark", *arguments)
+    assert done.returncode == 0, done.stderr
+    figures = json.loads((tmp_path / "results" / "results.json").read_text())
+    cycles = figures["scenes"][0]["engines"]["cycles"]
+    assert cycles["samples_per_second"] > 0
+    assert 0 < cycles["error"] < 100
+    assert [size["instanced"] for size in figures["sizes"]] == [False, True]
+    assert done.stdout == (tmp_path / "results" / "results.md").read_text()
+
+    kept = {path: path.stat().st_mtime_ns for path in (tmp_path / "cache").iterdir()}
+    assert len(kept) == 2
+    again = tool("benchmark", *arguments[:5], "--parts", "scenes", *arguments[7:])
+    assert again.returncode == 0, again.stderr
+    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "cache").iterdir()} == kept
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nowhere.blend"], "nowhere.blend: no such file"),
+        (["--parts", "all"], "--parts: choose from"),
+        (["--triangles", "many"], "--triangles takes numbers"),
+    ],
+)
+def test_bad_calls_are_one_line(tool: Tool, arguments: list[str], message: str) -> None:
+    done = tool("benchmark", *arguments)
+    assert done.returncode != 0
+    assert message in done.stderr
+    assert len(done.stderr.splitlines()) == 1

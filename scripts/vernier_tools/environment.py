@@ -123,8 +123,8 @@ class Environment:
         )
         if done.returncode != 0:
             raise ToolError(f"the build backend {backend} does not work: {done.stderr[-300:]}")
-        if tools := done.stdout.split("\n")[:-1]:
-            self.pip(["install", *filter(None, tools)], "installing build tools")
+        if tools := [line for line in done.stdout.splitlines() if line]:
+            self.pip(["install", *tools], "installing build tools")
 
     def build_core(self) -> None:
         stamp = self.folder / "core.stamp"

@@ -54,7 +54,10 @@ def lines(records: Sequence[RenderRecord], path: Path, frame_seconds: float) -> 
 
 def error_text(error: float) -> str:
     """The picture's error: a 95 % confidence half-width, relative."""
-    return f"{100 * error:.2g} %" if math.isfinite(error) else "unknown (too few samples)"
+    if not math.isfinite(error):
+        return "unknown (too few samples)"
+    percent = 100 * error
+    return f"{percent:.0f} %" if percent >= 10 else f"{percent:.2g} %"
 
 
 def count(value: float) -> str:

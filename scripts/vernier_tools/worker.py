@@ -22,8 +22,8 @@ from vernier_tools.measure import render_measured
 
 
 def work(job: Job, capture: Capture) -> Outcome:
-    if job.engine == "cycles":
-        engines.enable_cycles()
+    # Vernier needs Cycles' properties too: what the file says of the film is in them.
+    engines.enable_cycles()
     made = job.generated
     scene = generated_scenes.make(made) if made else open_blend(Path(job.blend))
     require_camera(scene)

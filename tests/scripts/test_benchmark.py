@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CORNELL_BOX, Tool
+from tool_process import CORNELL_BOX, Tool
 from vernier_tools import benchmark_tables, jobs, references
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CORNELL_BOX, Tool
+from tool_process import CORNELL_BOX, Tool
 from vernier_tools import comparison_page, images, jobs
 from vernier_tools.errors import ToolError
 

@@ -159,6 +159,7 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
     case Op::kBrick: return execute_brick(in.variant, a, floats());
     case Op::kWave: return execute_wave(in.variant, a);
     case Op::kMagic: return execute_magic(in.variant, a);
+    case Op::kVoronoi: return execute_voronoi(in.variant, a, floats());
     case Op::kWhiteNoise: return execute_white_noise(in.variant, a);
     case Op::kGeometry:
       return to_register(geometry_value(static_cast<GeometryValue>(in.variant), point));

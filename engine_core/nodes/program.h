@@ -59,6 +59,7 @@ enum class Op : uint8_t {
   kBrick,
   kWave,
   kMagic,
+  kVoronoi,  // VoronoiOutput; data: see execute_voronoi
   kWhiteNoise,
   // the surface point
   kGeometry,      // GeometryValue

@@ -3,6 +3,7 @@
 #include "nodes/texture_ops.h"
 #include "textures/noise.h"
 #include "textures/patterns.h"
+#include "textures/voronoi.h"
 
 namespace vernier {
 namespace {
@@ -116,6 +117,34 @@ void lower_white_noise(NodeLowering& node) {
   }
 }
 
+void lower_voronoi(NodeLowering& node) {
+  const auto feature = node.param_enum<VoronoiFeature>("feature");
+  const float data[] = {static_cast<float>(dimension_bits(node, "voronoi_dimensions") + 1),
+                        static_cast<float>(feature),
+                        static_cast<float>(node.param_enum<VoronoiMetric>("distance")),
+                        node.param_bool("normalize") ? 1.0f : 0.0f};
+  const uint32_t first = node.builder().add_floats(data);
+  const auto emit = [&](VoronoiOutput output) {
+    return node.emit(Op::kVoronoi, output, kColor,
+                     {node.input("Vector"), node.input("W"), node.input("Scale"),
+                      node.input("Detail"), node.input("Roughness"), node.input("Lacunarity"),
+                      node.input("Smoothness"), node.input("Exponent"), node.input("Randomness")},
+                     first);
+  };
+  const Value cell = emit(VoronoiOutput::kColorAndDistance);
+  const Value scalar = node.emit(Op::kExtract, 3, kFloat, {cell});
+  const Value zero = node.builder().constant(0.0f);
+  const bool is_radius = feature == VoronoiFeature::kNSphereRadius;
+  node.set("Color", cell);
+  node.set("Distance", is_radius ? zero : scalar);
+  node.set("Radius", is_radius ? scalar : zero);
+  if (node.wants("Position") || node.wants("W")) {
+    const Value position = emit(VoronoiOutput::kPosition);
+    node.set("Position", position);
+    node.set("W", node.emit(Op::kExtract, 3, kFloat, {position}));
+  }
+}
+
 NodeKind texture_kind(std::string_view name, void (*lower)(NodeLowering&),
                       std::vector<InputKind> inputs, std::vector<OutputKind> outputs,
                       std::vector<ParamKind> params = {}) {
@@ -169,6 +198,18 @@ std::vector<NodeKind> texture_node_kinds() {
                    {float_input("Scale", 5.0f), float_input("Distortion", 1.0f)},
                    {color_output("Color"), float_output("Fac")},
                    {int_param("turbulence_depth", 2)}),
+      texture_kind("ShaderNodeTexVoronoi", lower_voronoi,
+                   {float_input("W", 0.0f), float_input("Scale", 5.0f), float_input("Detail", 0.0f),
+                    float_input("Roughness", 0.5f), float_input("Lacunarity", 2.0f),
+                    float_input("Smoothness", 1.0f), float_input("Exponent", 0.5f),
+                    float_input("Randomness", 1.0f)},
+                   {float_output("Distance"), color_output("Color"), vector_output("Position"),
+                    float_output("W"), float_output("Radius")},
+                   {enum_param("voronoi_dimensions", dimension_items()),
+                    enum_param("feature", {"F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE",
+                                           "N_SPHERE_RADIUS"}),
+                    enum_param("distance", {"EUCLIDEAN", "MANHATTAN", "CHEBYCHEV", "MINKOWSKI"}),
+                    bool_param("normalize", false)}),
   };
   // White noise is a node without a default coordinate.
   kinds.push_back({"ShaderNodeTexWhiteNoise", NodeRole::kValue, lower_white_noise,

@@ -2,6 +2,7 @@
 
 #include "textures/noise.h"
 #include "textures/patterns.h"
+#include "textures/voronoi.h"
 
 namespace vernier {
 namespace {
@@ -77,6 +78,27 @@ Vec4f execute_wave(uint8_t variant, const Arguments& a) {
 
 Vec4f execute_magic(uint8_t variant, const Arguments& a) {
   return to_register(magic(a.vector(0), a.scalar(1), variant, a.scalar(2)));
+}
+
+// Operands: vector, W, scale, detail, roughness, lacunarity, smoothness, exponent, randomness.
+Vec4f execute_voronoi(uint8_t variant, const Arguments& a, const float* data) {
+  VoronoiParams params;
+  params.feature = static_cast<VoronoiFeature>(static_cast<int>(data[1]));
+  params.metric = static_cast<VoronoiMetric>(static_cast<int>(data[2]));
+  params.normalize = data[3] != 0.0f;
+  params.scale = a.scalar(2);
+  params.detail = clamp(a.scalar(3), 0.0f, 15.0f);
+  params.roughness = saturate(a.scalar(4));
+  params.lacunarity = a.scalar(5);
+  params.smoothness = clamp(a.scalar(6) * 0.5f, 0.0f, 0.5f);
+  params.exponent = a.scalar(7);
+  params.randomness = saturate(a.scalar(8));
+  const VoronoiCell cell =
+      voronoi_texture(static_cast<int>(data[0]), scaled_coordinate(a), params);
+  if (static_cast<VoronoiOutput>(variant) == VoronoiOutput::kPosition) {
+    return cell.position;
+  }
+  return {cell.color.x, cell.color.y, cell.color.z, cell.distance};
 }
 
 Vec4f execute_white_noise(uint8_t variant, const Arguments& a) {

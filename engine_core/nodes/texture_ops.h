@@ -31,6 +31,10 @@ Vec4f execute_gradient(uint8_t variant, const Arguments& arguments);
 Vec4f execute_brick(uint8_t variant, const Arguments& arguments, const float* data);
 Vec4f execute_wave(uint8_t variant, const Arguments& arguments);
 Vec4f execute_magic(uint8_t variant, const Arguments& arguments);
+// Outputs of the Voronoi node. Distance and colour come together, the distance in w.
+enum class VoronoiOutput : uint8_t { kColorAndDistance, kPosition };
+// data: dimensions, feature, metric, normalize.
+Vec4f execute_voronoi(uint8_t variant, const Arguments& arguments, const float* data);
 Vec4f execute_white_noise(uint8_t variant, const Arguments& arguments);
 
 }  // namespace vernier

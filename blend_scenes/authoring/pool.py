@@ -28,7 +28,7 @@ INFO = SceneInfo(
     "that are specular, diffuse and specular again, which no eye path finds by chance.",
     resolution=(480, 320),
     samples=2048,
-    exposure=-0.5,
+    exposure=-0.8,
 )
 
 _LEVEL = -0.12
@@ -153,17 +153,17 @@ def build(path: Path) -> None:
         ]
     add_bevel(add_object("Coping", boxes("Coping", coping), stone), 0.008)
     deck_wood = closure(
-        "Deck", "BsdfPrincipled", {"Base Color": (0.36, 0.21, 0.12), "Roughness": 0.65}
+        "Deck", "BsdfPrincipled", {"Base Color": (0.2, 0.13, 0.085), "Roughness": 0.65}
     )
     deck = [
         ((-9.0, 3.41 + 0.16 * i, -0.05), (9.0, 3.41 + 0.16 * i + 0.15, -0.01)) for i in range(34)
     ]
     add_bevel(add_object("Deck", boxes("Deck", deck), deck_wood), 0.006)
     lawn = [((-9.0, -6.0, -0.06), (-3.41, 3.4, -0.02)), ((3.41, -6.0, -0.06), (9.0, 3.4, -0.02))]
-    add_object("Paving", boxes("Paving", lawn), principled("Paving", (0.55, 0.52, 0.46), 0.8))
+    add_object("Paving", boxes("Paving", lawn), principled("Paving", (0.4, 0.38, 0.34), 0.8))
     wall = [((-9.0, 8.9, -0.1), (9.0, 9.1, 2.6))]
     add_object(
-        "Garden wall", boxes("Garden wall", wall), principled("Whitewash", (0.78, 0.74, 0.66), 0.9)
+        "Garden wall", boxes("Garden wall", wall), principled("Whitewash", (0.45, 0.4, 0.33), 0.9)
     )
     add_object(
         "Water",

@@ -231,7 +231,7 @@ class _Pass:
         return result
 
     def _light_graph(self, data: bpy.types.Light) -> Graph:
-        if not data.use_nodes or data.node_tree is None:
+        if data.node_tree is None or not uses_nodes(data):
             return Graph()
         name = f'light "{data.name}"'
         return translate(data, data.node_tree, name, self.images.index, self.report.warn)

@@ -147,21 +147,20 @@ class _MeshKeys:
     """Keys under which meshes are kept: by their datablock, or by the object that modifies it."""
 
     def __init__(self, depsgraph: bpy.types.Depsgraph) -> None:
-        self._depsgraph = depsgraph
-        self._counts: dict[int, dict[int, int]] = {}
+        self._scene = depsgraph.scene
+        self._mode = "RENDER" if depsgraph.mode == "RENDER" else "PREVIEW"
+        self._parts: dict[int, dict[int, int]] = {}
 
     def of(self, item: bpy.types.Object, data: bpy.types.Mesh) -> tuple[int | str, ...]:
-        original = data.original
-        owner = item.original.session_uid
-        if original is None or original == data:
-            base = owner
-        else:
-            base = original.session_uid
-            if original.evaluated_get(self._depsgraph).as_pointer() == data.as_pointer():
-                return ("mesh", base)
-        numbers = self._counts.setdefault(owner, {})
-        number = numbers.setdefault(data.as_pointer(), len(numbers))
-        return ("object", owner, base, f"part {number}")
+        """The key of `data`, which the object `item` (evaluated) brought forth."""
+        owner = item.original
+        base = owner.data
+        if isinstance(base, bpy.types.Mesh) and not owner.is_modified(self._scene, self._mode):
+            return ("mesh", base.session_uid)
+        parts = self._parts.setdefault(owner.session_uid, {})
+        part = parts.setdefault(data.as_pointer(), len(parts))
+        uids = [owner.session_uid] + ([base.session_uid] if base is not None else [])
+        return ("object", *uids, f"part {part}")
 
 
 def name_hash(name: str) -> int:

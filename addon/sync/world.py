@@ -21,7 +21,7 @@ def read_world(world: bpy.types.World, image_index: ImageIndex, warn: Warn) -> W
     return World(graph, _visibility(world))
 
 
-def uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
+def uses_nodes(owner: bpy.types.Material | bpy.types.World | bpy.types.Light) -> bool:
     """Whether the node tree counts. From 5.0 on it always does."""
     return bpy.app.version >= (5, 0, 0) or bool(owner.use_nodes)
 

@@ -83,6 +83,22 @@ Result sample_lights(nb::handle handle, const Floats& receivers, const Floats& u
   return table.release();
 }
 
+// The same for given lights; `u` has rows of the point. The density is without the selection.
+Result sample_given_lights(nb::handle handle, const Floats& receivers, const Numbers& lights,
+                           const Floats& u) {
+  const auto scene = scene_of(handle);
+  const Table table(u.shape(0), kSampleColumns);
+  const bool one = receivers.shape(0) == 1;
+  for (size_t i = 0; i < table.rows; ++i) {
+    LightSample s;
+    if (scene->lights->sample_light(receiver(*scene, receivers, one ? 0 : i), lights(i), vec2(u, i),
+                                    s)) {
+      write_sample(*scene, s, table.row(i));
+    }
+  }
+  return table.release();
+}
+
 // Where a direction meets light number `light`: columns met, distance, radiance (3), pdf.
 struct Meeting {
   float met = 0, distance = 0, pdf = 0;
@@ -348,6 +364,7 @@ nb::dict light_summary(nb::handle handle) {
 
 void bind_lights_probes(nb::module_& m) {
   m.def("sample_lights", &sample_lights);
+  m.def("sample_given_lights", &sample_given_lights);
   m.def("meet_lights", &meet_lights);
   m.def("selection_pdf", &selection_pdf);
   m.def("light_pdf", &light_pdf);

@@ -62,32 +62,46 @@ inline bool view_triangle(const TriangleLight& light, Vec3f p, SphericalTriangle
          view.solid_angle <= kLargestSphericalTriangle;
 }
 
-// A unit vector in the plane of a and `toward`, perpendicular to the unit vector a.
-inline Vec3f perpendicular_toward(Vec3f a, Vec3f toward) {
-  return normalize(toward - a * dot(toward, a));
+// The unit vector at an angle from the unit vector a toward another, given 1 - cos of the angle.
+inline Vec3f rotate_toward(Vec3f a, Vec3f toward, float one_minus_cos) {
+  const Vec3f across = normalize(toward - a * dot(toward, a));
+  return normalize(a * (1.0f - one_minus_cos) +
+                   across * safe_sqrt(one_minus_cos * (2.0f - one_minus_cos)));
 }
 
-inline Vec3f sample_spherical_triangle(const SphericalTriangle& view, Vec2f u) {
-  const Vec3f n_ab = normalize(cross(view.a, view.b));
-  const Vec3f n_ac = normalize(cross(view.a, view.c));
-  const float cos_alpha = clamp(dot(n_ab, n_ac), -1.0f, 1.0f);
-  const float sin_alpha = std::min(length(cross(n_ab, n_ac)), 1.0f);
-  const float alpha = std::atan2(sin_alpha, cos_alpha);
-  const float cos_c = dot(view.a, view.b);
-  // The third corner of the triangle that holds the part u.x of the area (Arvo, figure 3).
-  const float phi = u.x * view.solid_angle - alpha;
-  const float s = std::sin(phi);
-  const float t = std::cos(phi);
-  const float k = t - cos_alpha;
-  const float l = s + sin_alpha * cos_c;
-  const float denominator = (l * s + k * t) * sin_alpha;
-  const float q = denominator == 0.0f
-                      ? 1.0f
-                      : clamp(((l * t - k * s) * cos_alpha - l) / denominator, -1.0f, 1.0f);
-  const Vec3f corner =
-      normalize(view.a * q + perpendicular_toward(view.a, view.c) * safe_sqrt(1.0f - q * q));
-  const float z = 1.0f - u.y * (1.0f - dot(corner, view.b));
-  return normalize(view.b * z + perpendicular_toward(view.b, corner) * safe_sqrt(1.0f - z * z));
+inline Vec3f sample_spherical_triangle(const TriangleLight& light, SphericalTriangle view,
+                                       Vec2f u) {
+  // Normals of the planes of the sides, from the edges: the directions to two near corners differ
+  // by little more than their rounding.
+  Vec3f n_ab = normalize(cross(view.a, light.e1));
+  Vec3f n_bc = normalize(cross(view.b, light.e2 - light.e1));
+  Vec3f n_ca = normalize(cross(light.e2, view.a));
+  // The construction divides by the sine of the angle at a: a is the corner nearest to a right one.
+  Vec3f sines{length_squared(cross(n_ca, n_ab)), length_squared(cross(n_ab, n_bc)),
+              length_squared(cross(n_bc, n_ca))};
+  if (sines.y > sines.x && sines.y >= sines.z) {
+    view = {view.b, view.c, view.a, view.solid_angle};
+    n_ca = n_ab;
+    n_ab = n_bc;
+    sines.x = sines.y;
+  } else if (sines.z > sines.x) {
+    view = {view.c, view.a, view.b, view.solid_angle};
+    n_ab = n_ca;
+    n_ca = n_bc;
+    sines.x = sines.z;
+  }
+  const float sin_alpha = std::min(std::sqrt(sines.x), 1.0f);
+  const float alpha = std::atan2(sin_alpha, -dot(n_ab, n_ca));
+  // The third corner of the triangle a, b, corner that holds the part u.x of the area, at cos q
+  // from a (Arvo, figure 3). His s, t, u, v give, without their cancellation, with c the side ab,
+  // 1 - q = w (1 + cos c) / (w + sin(alpha - part) sin(alpha) (1 - cos c)), w = 1 - cos(part).
+  const float part = u.x * view.solid_angle;
+  const float w = 2.0f * square(std::sin(0.5f * part));
+  const float m = 0.5f * length_squared(view.a - view.b);
+  const float whole = w + std::sin(alpha - part) * sin_alpha * m;
+  const float one_minus_q = whole > 0.0f ? std::min(w * (2.0f - m) / whole, 2.0f) : 0.0f;
+  const Vec3f corner = rotate_toward(view.a, view.c, one_minus_q);
+  return rotate_toward(view.b, corner, u.y * 0.5f * length_squared(corner - view.b));
 }
 
 struct TriangleSample {
@@ -115,7 +129,7 @@ inline bool sample_triangle_light(const TriangleLight& light, Vec3f p, Vec2f u,
   const bool spherical = view_triangle(light, p, view);
   const Vec3f to_corner = light.v0 - p;
   if (spherical) {
-    s.wi = sample_spherical_triangle(view, u);
+    s.wi = sample_spherical_triangle(light, view, u);
     // Where the direction meets the triangle (Moller and Trumbore 1997).
     const Vec3f h = cross(s.wi, light.e2);
     const float determinant = dot(light.e1, h);

@@ -1,0 +1,189 @@
+"""Light samples against the density that rays give for the same directions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from engine_core import probe
+from light_probes import (
+    assert_samples_follow_density,
+    compiled,
+    met,
+    receiver,
+    sample,
+)
+from scenes import SceneBuilder, background, emission, look_at, mesh, placed
+
+Vector = tuple[float, float, float]
+UP: Vector = (0, 0, 1)
+
+
+def scene_with(kind: str, **fields: object) -> SceneBuilder:
+    builder = SceneBuilder()
+    builder.light(kind, **{"emission": (3.0, 2.0, 1.0), **fields})
+    return builder
+
+
+def triangle(a: Vector, b: Vector, c: Vector, strength: float = 2.0) -> SceneBuilder:
+    builder = SceneBuilder()
+    builder.add(mesh("triangle", [a, b, c], [(0, 1, 2)]), emission(strength))
+    return builder
+
+
+def point(radius: float, soft: bool, at: Vector = (0, 0, 0)) -> SceneBuilder:
+    return scene_with("POINT", radius=radius, soft_falloff=soft, transform=placed(1.0, at))
+
+
+def spot(radius: float, soft: bool, angle: float, scale: Vector = (1, 1, 1)) -> SceneBuilder:
+    linear = np.diag(scale)
+    return scene_with(
+        "SPOT",
+        radius=radius,
+        soft_falloff=soft,
+        spot_angle=np.radians(angle),
+        spot_blend=0.4,
+        transform=placed(linear, (0, 0, 3)),
+    )
+
+
+def area(
+    shape: str, spread: float, sizes: tuple[float, float] = (2.0, 1.0), shear: float = 0.0
+) -> SceneBuilder:
+    linear = np.array([[1, shear, 0], [0, 1, 0], [0, 0, 1]], float)
+    return scene_with(
+        "AREA",
+        shape=shape,
+        size_x=sizes[0],
+        size_y=sizes[1],
+        spread=np.radians(spread),
+        transform=placed(linear, (0, 0, 2)),
+    )
+
+
+def sun(angle: float) -> SceneBuilder:
+    return scene_with("SUN", sun_angle=np.radians(angle), transform=look_at((1, 2, 3), (0, 0, 0)))
+
+
+# A scene, the receiver's place and its normal.
+CASES: dict[str, tuple[Callable[[], SceneBuilder], Vector, Vector]] = {
+    "sphere, far": (lambda: point(0.5, False), (0, 0, -40), UP),
+    "sphere, near": (lambda: point(1.0, False), (0, 0.3, -1.02), UP),
+    "sphere, very far": (lambda: point(0.1, False), (300, 100, -200), UP),
+    "disk, far": (lambda: point(0.5, True), (1, 2, -9), UP),
+    "disk, within its radius": (lambda: point(1.0, True), (0.1, 0.2, -0.3), UP),
+    "spot sphere, cone narrower than lamp": (lambda: spot(1.0, False, 25), (0.2, 0, 1.5), UP),
+    "spot sphere, lamp narrower than cone": (lambda: spot(0.2, False, 80), (0.4, 0.3, 0), UP),
+    "spot disk, scaled": (lambda: spot(0.5, True, 50, (2, 1, 1)), (0.9, 0, 0.5), UP),
+    "spot disk, cone narrower than lamp": (lambda: spot(2.0, True, 20), (0.1, 0, 2.0), UP),
+    "rectangle, near": (lambda: area("RECTANGLE", 180), (0.3, 0.2, 1.8), UP),
+    "rectangle, far": (lambda: area("RECTANGLE", 180), (5, 9, -80), UP),
+    "rectangle, grazing": (lambda: area("RECTANGLE", 180), (4, 1, 1.9), UP),
+    "rectangle, spread, clipped": (lambda: area("RECTANGLE", 60), (0.9, 0.2, 1.2), UP),
+    "rectangle, spread, small": (lambda: area("RECTANGLE", 20), (0.2, 0.1, 0.5), UP),
+    "rectangle, sheared": (lambda: area("RECTANGLE", 180, (2, 1), 0.6), (0.2, 0.1, 0.9), UP),
+    "strip, close": (lambda: area("RECTANGLE", 180, (8.0, 0.05)), (1, 0.2, 1.9), UP),
+    "ellipse, near": (lambda: area("ELLIPSE", 180), (0.3, 0.2, 1.7), UP),
+    "ellipse, far": (lambda: area("ELLIPSE", 180), (2, 3, -30), UP),
+    "ellipse, spread": (lambda: area("ELLIPSE", 90), (0.9, 0.2, 1.5), UP),
+    "disk lamp, spread within it": (lambda: area("ELLIPSE", 30, (3, 3)), (0.2, 0.1, 0.5), UP),
+    "sun": (lambda: sun(5), (0, 0, 0), UP),
+    "wide sun": (lambda: sun(170), (0, 0, 0), UP),
+    "triangle, near": (
+        lambda: triangle((-1, -1, 1), (1, -1, 1.5), (0, 1, 1)),
+        (0.1, 0.1, 0.5),
+        UP,
+    ),
+    "triangle, behind": (
+        lambda: triangle((-1, -1, 1), (1, -1, 1.5), (0, 1, 1)),
+        (0.1, 0.1, 3),
+        (0, 0, -1),
+    ),
+    "triangle, far": (lambda: triangle((-1, -1, 1), (1, -1, 1), (0, 1, 1)), (9, 2, -30), UP),
+    "triangle, grazing": (lambda: triangle((-1, -1, 1), (1, -1, 1), (0, 1, 1)), (1, 2, 0.9), UP),
+    "triangle, sliver": (lambda: triangle((-5, 0, 1), (5, 0, 1), (5, 0.01, 1)), (1, 1, 0.4), UP),
+    "triangle, blunt sliver": (
+        lambda: triangle((-5, 0, 1), (5, 0, 1), (1, 0.02, 1)),
+        (1, 1, 0.4),
+        UP,
+    ),
+}
+# Lights that fill a small part of any cone.
+THIN = {"rectangle, grazing", "strip, close", "triangle, grazing", "triangle, sliver"} | {
+    "triangle, blunt sliver"
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_directions_follow_the_density(name: str, rng: np.random.Generator) -> None:
+    make, p, n = CASES[name]
+    scene = compiled(make())
+    s = assert_samples_follow_density(scene, receiver(p, n), rng, thin=name in THIN)
+    # The ray that goes along a sample meets the same light at the same place. Rays along the rim
+    # may miss it by rounding.
+    hits, radiance, pdf = met(scene, receiver(p, n), s.wi[s.valid])
+    assert (hits == 1).mean() > 0.995
+    hit = hits == 1
+    assert pdf[hit] == pytest.approx(s.pdf[s.valid][hit], rel=3e-3)
+    assert radiance[hit] == pytest.approx(s.radiance[s.valid][hit, 0], rel=3e-3, abs=1e-3)
+    from_record = probe.light_pdf(
+        scene,
+        receiver(p, n),
+        s.light[s.valid],
+        np.concatenate([s.wi, s.distance[:, None], s.n], axis=1)[s.valid].astype(np.float32),
+    )
+    assert from_record[:, 0] == pytest.approx(s.pdf[s.valid], rel=2e-3)
+    assert not s.delta.any()
+    assert s.hittable[s.valid].all()
+
+
+@pytest.mark.parametrize("transmits", [False, True])
+@pytest.mark.parametrize("kind", ["sphere from inside", "uniform world"])
+def test_all_around(kind: str, transmits: bool, rng: np.random.Generator) -> None:
+    builder = point(2.0, False) if kind == "sphere from inside" else SceneBuilder()
+    if kind == "uniform world":
+        builder.description.world = background(2.0)
+    at = receiver((0.5, 0.2, 0.1), (1, 2, 3), transmits=transmits)
+    assert_samples_follow_density(compiled(builder), at, rng)
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
+def test_lights_without_size_are_deltas(kind: str, rng: np.random.Generator) -> None:
+    builder = scene_with(
+        kind, radius=0.0, sun_angle=0.0, spread=0.0, transform=placed(1, (0, 0, 3))
+    )
+    scene = compiled(builder)
+    at = receiver((0.1, 0.2, 0))
+    s = sample(scene, at, rng, 100)
+    assert s.valid.all()
+    assert s.delta.all()
+    assert not s.hittable.any()
+    assert (s.pdf == 1).all()
+    # No ray finds it.
+    assert not met(scene, at, s.wi)[0].any()
+
+
+def test_without_multiple_importance_rays_do_not_meet_lamps(rng: np.random.Generator) -> None:
+    scene = compiled(scene_with("AREA", use_mis=False, transform=placed(1, (0, 0, 2))))
+    s = sample(scene, receiver((0, 0, 0)), rng, 100)
+    assert s.valid.all()
+    assert not s.hittable.any()
+    assert not met(scene, receiver((0, 0, 0)), s.wi)[0].any()
+    # Cameras see it all the same (visibility permitting).
+    d = np.array([[0, 0, 1]], np.float32)
+    assert not probe.meet_lights(scene, receiver((0, 0, 0)), d, 1)[0, 0]
+    seen = compiled(
+        scene_with("AREA", use_mis=False, visibility=31, transform=placed(1, (0, 0, 2)))
+    )
+    assert probe.meet_lights(seen, receiver((0, 0, 0)), d, 1)[0, 0]
+
+
+def test_dark_sides_are_not_sampled(rng: np.random.Generator) -> None:
+    for make, p in [
+        (lambda: area("RECTANGLE", 180), (0, 0, 2.5)),  # behind
+        (lambda: area("RECTANGLE", 180), (0, 0, 2.0)),  # in its plane
+        (lambda: area("RECTANGLE", 30), (4, 0, 1.8)),  # beside the spread
+        (lambda: spot(0.1, False, 30), (3, 0, 2.9)),  # beside the cone
+    ]:
+        assert not sample(compiled(make()), receiver(p), rng, 200).valid.any()

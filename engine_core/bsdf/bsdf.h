@@ -18,6 +18,7 @@
 // over that of wi's side with kImportance.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 

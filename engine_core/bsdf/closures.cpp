@@ -109,16 +109,18 @@ void Bsdf::add_metallic(Color weight, Vec3f normal, const MetallicParams& params
 }
 
 void Bsdf::add_glass(Color weight, Vec3f normal, const GlassParams& params) {
-  Lobe* lobe =
-      add_microfacet(LobeKind::kGlass, weight, normal, params.distribution, params.roughness);
+  // Colours above 1 go to the weight, which is capped.
+  const Color tint = max(params.color, Color{});
+  const float brightness = std::max(max_component(tint), 1.0f);
+  Lobe* lobe = add_microfacet(LobeKind::kGlass, weight * brightness, normal, params.distribution,
+                              params.roughness);
   if (!lobe) {
     return;
   }
-  const Color tint = max(params.color, Color{});
   const float ior = clamp_ior(params.ior);
   set_dielectric(*lobe, ior, backfacing_, params.film);
   lobe->f0 = splat(f0_from_ior(ior));
-  lobe->reflection_tint = lobe->transmission_tint = tint;
+  lobe->reflection_tint = lobe->transmission_tint = tint / splat(brightness);
   finish_microfacet(*lobe, params.distribution == Distribution::kMultiGgx, tint);
 }
 

@@ -99,7 +99,7 @@ void Bsdf::add_principled(Color weight, Vec3f normal, const PrincipledParams& pa
       lobe->eta = clamp(params.coat_ior, 1.0f, kMaxIor);
       lobe->transmission_tint = max(params.coat_tint, Color{});
       lobe->layer_share = coat;
-      finish_microfacet(*lobe, false, splat(1.0f));
+      finish_microfacet(*lobe, true, splat(fresnel_dielectric_average(lobe->eta)));
       place(lobe, true);
     }
   }

@@ -13,8 +13,8 @@ Figures = Mapping[str, Any]
 def markdown(results: Figures) -> str:
     """All tables. Ratios are Vernier's figure over Cycles'."""
     parts = [
-        f"{results['machine']}; medians of {results['repeats']} renders, each engine in a process "
-        "of its own, in turns. Ratios are Vernier over Cycles.\n"
+        f"{results['machine']}; medians (of errors: means) of {results['repeats']} renders, each "
+        "engine in a process of its own, in turns. Ratios are Vernier over Cycles.\n"
     ]
     if results["scenes"]:
         parts += ["## Scenes\n", scenes_note(results), scene_table(results["scenes"])]

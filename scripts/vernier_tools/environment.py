@@ -27,6 +27,9 @@ from vernier_tools.errors import ToolError, report
 COMPILERS = ("g++", "clang++", *(f"g++-{n}" for n in range(16, 11, -1)))
 COMPILERS += tuple(f"clang++-{n}" for n in range(22, 14, -1))
 
+# Lines in which pip says no more than that something failed.
+PIP_SAYS_NOTHING = ("error: subprocess-exited-with-error", "error: metadata-generation-failed")
+
 # Tells a compiler that knows the C++20 library from one that does not.
 CXX_PROBE = """
 #include <bit>
@@ -172,8 +175,9 @@ def requirement_names(requirements: list[str]) -> list[str]:
 
 def first_error(text: str) -> str:
     """The line of a failed build or installation that most likely names the cause."""
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    for mark in (": error:", "fatal error", "CMake Error", "ERROR:", "error:"):
+    lines = [line.strip(" |+-") for line in text.splitlines() if line.strip(" |+-")]
+    lines = [line for line in lines if not line.startswith(PIP_SAYS_NOTHING)]
+    for mark in (": error:", "fatal error", "CMake Error", "Error: ", "ERROR:", "error:"):
         for line in lines:
             if mark in line:
                 return line

@@ -19,7 +19,7 @@ struct RampStyle {
 };
 
 // Rows that Cycles samples a ramp at, and so the resolution of its edges.
-inline constexpr int kRampRows = 256;
+inline constexpr int kRampRows = 257;
 
 // RGBA of the ramp at kRampRows equal steps over [0, 1]. `stops` holds rows (position, r, g, b, a),
 // at least one; they are put in order of position.

@@ -110,7 +110,7 @@ void lower_object_info(NodeLowering& node) {
   set_read(node, "Alpha", Op::kObjectInfo, ObjectValue::kAlpha, kFloat);
   set_read(node, "Object Index", Op::kObjectInfo, ObjectValue::kObjectIndex, kFloat);
   set_read(node, "Random", Op::kObjectInfo, ObjectValue::kRandom, kFloat);
-  node.set("Material Index", node.builder().constant(node.context().material_pass_index));
+  set_read(node, "Material Index", Op::kObjectInfo, ObjectValue::kMaterialIndex, kFloat);
 }
 
 void lower_camera_data(NodeLowering& node) {

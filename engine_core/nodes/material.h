@@ -46,9 +46,6 @@ class NodeContext {
   // Records a warning; an equal one is recorded once.
   void warn(std::string message);
 
-  // Pass index of the material that is compiled next: what Object Info's Material Index gives.
-  float material_pass_index = 0.0f;
-
  private:
   std::span<const std::unique_ptr<ImageTexture>> images_;
   std::vector<std::string>& attribute_names_;

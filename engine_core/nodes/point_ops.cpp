@@ -144,6 +144,8 @@ Vec3f object_value(ObjectValue value, const SurfacePoint& point) {
     case ObjectValue::kColor: return {object.color[0], object.color[1], object.color[2]};
     case ObjectValue::kAlpha: return splat(object.color[3]);
     case ObjectValue::kObjectIndex: return splat(object.pass_index);
+    case ObjectValue::kMaterialIndex:
+      return splat(point.scene->material_pass_indices[point.material]);
     case ObjectValue::kRandom: return splat(instance.random);
   }
   return {};

@@ -32,7 +32,9 @@ enum class AttributeUse : uint8_t {
 };
 Vec4f attribute_value(AttributeUse use, const SurfacePoint& point, uint32_t id);
 
-enum class ObjectValue : uint8_t { kLocation, kColor, kAlpha, kObjectIndex, kRandom };
+enum class ObjectValue : uint8_t {
+  kLocation, kColor, kAlpha, kObjectIndex, kMaterialIndex, kRandom,
+};
 Vec3f object_value(ObjectValue value, const SurfacePoint& point);
 
 // In the order of the Light Path node's outputs.

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from engine_core import probe
 from engine_core.description import Graph, Link, Node
 from numpy.typing import NDArray
+
+from engine_core import probe
 
 FloatArray = NDArray[np.float32]
 
@@ -24,7 +25,8 @@ def points(count: int, low: float = -2.0, high: float = 2.0) -> tuple[FloatArray
 def value_of(nodes: list[Node], output: str, count: int = 1) -> FloatArray:
     """The last node's output at random points, (count, 3)."""
     material = probe.compile_graph(Graph(nodes, Link(len(nodes) - 1, output)))
-    return material.emission(*points(count))
+    values: FloatArray = material.emission(*points(count))
+    return values
 
 
 def emission_of(nodes: list[Node], surface: Link) -> tuple[float, ...]:

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
-from engine_core import probe
 from engine_core.description import Graph, Image, Link, Node
 from node_graphs import emission_of, points, value_of
+
+from engine_core import probe
 
 DIFFUSE = "ShaderNodeBsdfDiffuse"
 
 
-def test_constant_graphs_run_no_program():
+def test_constant_graphs_run_no_program() -> None:
     graph = Graph(
         [
             Node("ShaderNodeMath", "sum", {"Value": 2.0, "Value_001": 3.0}, {"operation": "ADD"}),
-            Node("ShaderNodeMix", "mix", {"Factor_Float": 0.5, "A_Float": Link(0, "Value"),
-                                          "B_Float": 7.0}, {"data_type": "FLOAT"}),
-            Node("ShaderNodeEmission", "e", {"Color": (1.0, 0.5, 0.25, 1.0),
-                                             "Strength": Link(1, "Result_Float")}),
+            Node(
+                "ShaderNodeMix",
+                "mix",
+                {"Factor_Float": 0.5, "A_Float": Link(0, "Value"), "B_Float": 7.0},
+                {"data_type": "FLOAT"},
+            ),
+            Node(
+                "ShaderNodeEmission",
+                "e",
+                {"Color": (1.0, 0.5, 0.25, 1.0), "Strength": Link(1, "Result_Float")},
+            ),
         ],
         Link(2, "Emission"),
     )
@@ -31,14 +41,14 @@ def test_constant_graphs_run_no_program():
     assert traits["average_emission"] == pytest.approx((6.0, 3.0, 1.5), rel=1e-6)
 
 
-def test_dead_nodes_and_unread_outputs_cost_nothing():
+def test_dead_nodes_and_unread_outputs_cost_nothing() -> None:
     noise = Node("ShaderNodeTexNoise", "noise")
     graph = Graph([noise, Node(DIFFUSE, "d", {"Color": (0.1, 0.2, 0.3, 1.0)})], Link(1, "BSDF"))
     assert probe.compile_graph(graph).traits["program_length"] == 0
 
 
 @pytest.mark.parametrize(("factor", "emission"), [(0.0, 1.0), (1.0, 2.0), (-3.0, 1.0), (4.0, 2.0)])
-def test_mix_shader_drops_the_side_that_is_not_seen(factor: float, emission: float):
+def test_mix_shader_drops_the_side_that_is_not_seen(factor: float, emission: float) -> None:
     graph = Graph(
         [
             Node("ShaderNodeTexNoise", "a"),
@@ -48,8 +58,11 @@ def test_mix_shader_drops_the_side_that_is_not_seen(factor: float, emission: flo
             Node("ShaderNodeEmission", "one", {"Strength": 1.0}),
             Node("ShaderNodeEmission", "two", {"Strength": 2.0}),
             Node("ShaderNodeAddShader", "left", {"Shader": Link(4, "Emission")}),
-            Node("ShaderNodeMixShader", "mix", {"Fac": factor, "Shader": Link(6, "Shader"),
-                                                "Shader_001": Link(5, "Emission")}),
+            Node(
+                "ShaderNodeMixShader",
+                "mix",
+                {"Fac": factor, "Shader": Link(6, "Shader"), "Shader_001": Link(5, "Emission")},
+            ),
         ],
         Link(7, "Shader"),
     )
@@ -58,16 +71,22 @@ def test_mix_shader_drops_the_side_that_is_not_seen(factor: float, emission: flo
     assert material.traits["average_emission"] == pytest.approx((emission,) * 3)
 
 
-def test_weights_of_shared_shaders_add_up():
+def test_weights_of_shared_shaders_add_up() -> None:
     # e reaches the surface twice: 0.25 * 0.5 + 0.75 of it.
     graph = Graph(
         [
             Node("ShaderNodeEmission", "e", {"Strength": 8.0}),
             Node("ShaderNodeBsdfTransparent", "t"),
-            Node("ShaderNodeMixShader", "inner", {"Fac": 0.5, "Shader": Link(0, "Emission"),
-                                                  "Shader_001": Link(1, "BSDF")}),
-            Node("ShaderNodeMixShader", "outer", {"Fac": 0.75, "Shader": Link(2, "Shader"),
-                                                  "Shader_001": Link(0, "Emission")}),
+            Node(
+                "ShaderNodeMixShader",
+                "inner",
+                {"Fac": 0.5, "Shader": Link(0, "Emission"), "Shader_001": Link(1, "BSDF")},
+            ),
+            Node(
+                "ShaderNodeMixShader",
+                "outer",
+                {"Fac": 0.75, "Shader": Link(2, "Shader"), "Shader_001": Link(0, "Emission")},
+            ),
         ],
         Link(3, "Shader"),
     )
@@ -77,7 +96,7 @@ def test_weights_of_shared_shaders_add_up():
     assert material.transparency(p, n, wo)[0, 0] == pytest.approx(0.125)
 
 
-def test_ten_thousand_nodes_in_a_chain():
+def test_ten_thousand_nodes_in_a_chain() -> None:
     count = 12_000
     nodes = [Node("ShaderNodeNewGeometry", "start")]
     for i in range(count):
@@ -91,25 +110,35 @@ def test_ten_thousand_nodes_in_a_chain():
     np.testing.assert_allclose(material.emission(p, n, wo)[:, 0], expected, rtol=1e-5)
 
 
-def test_ten_thousand_shaders_in_a_tree():
+def test_ten_thousand_shaders_in_a_tree() -> None:
     count = 5_000
     nodes = [Node("ShaderNodeEmission", "e0", {"Strength": 1.0})]
     for i in range(count):
         nodes.append(Node("ShaderNodeEmission", f"e{i}", {"Strength": 1.0}))
         previous = Link(2 * i, "Shader") if i else Link(0, "Emission")
-        nodes.append(Node("ShaderNodeAddShader", f"a{i}",
-                          {"Shader": previous, "Shader_001": Link(2 * i + 1, "Emission")}))
+        nodes.append(
+            Node(
+                "ShaderNodeAddShader",
+                f"a{i}",
+                {"Shader": previous, "Shader_001": Link(2 * i + 1, "Emission")},
+            )
+        )
     material = probe.compile_graph(Graph(nodes, Link(2 * count, "Shader")))
     assert material.traits["average_emission"][0] == pytest.approx(count + 1, rel=1e-4)
 
 
-def test_many_live_values_still_evaluate():
+def test_many_live_values_still_evaluate() -> None:
     # 200 noises that all live until the last sum: more registers than fit beside the stack frame.
     nodes = [Node("ShaderNodeNewGeometry", "g")]
     for i in range(200):
-        nodes.append(Node("ShaderNodeVectorMath", f"s{i}",
-                          {"Vector": Link(0, "Position"), "Scale": float(i)},
-                          {"operation": "SCALE"}))
+        nodes.append(
+            Node(
+                "ShaderNodeVectorMath",
+                f"s{i}",
+                {"Vector": Link(0, "Position"), "Scale": float(i)},
+                {"operation": "SCALE"},
+            )
+        )
     nodes.append(Node("ShaderNodeBsdfTransparent", "t"))
     shaders = []
     for i in range(200):
@@ -117,8 +146,9 @@ def test_many_live_values_still_evaluate():
         shaders.append(len(nodes) - 1)
     top = Link(shaders[0], "Emission")
     for s in shaders[1:]:
-        nodes.append(Node("ShaderNodeAddShader", "a", {"Shader": top,
-                                                       "Shader_001": Link(s, "Emission")}))
+        nodes.append(
+            Node("ShaderNodeAddShader", "a", {"Shader": top, "Shader_001": Link(s, "Emission")})
+        )
         top = Link(len(nodes) - 1, "Shader")
     material = probe.compile_graph(Graph(nodes, top))
     assert material.traits["registers"] > 64
@@ -131,28 +161,34 @@ def test_many_live_values_still_evaluate():
     "nodes",
     [
         [Node("ShaderNodeMath", "loop", {"Value": Link(0, "Value")})],
-        [Node("ShaderNodeMath", "one", {"Value": Link(1, "Value")}),
-         Node("ShaderNodeMath", "loop", {"Value": Link(0, "Value")})],
+        [
+            Node("ShaderNodeMath", "one", {"Value": Link(1, "Value")}),
+            Node("ShaderNodeMath", "loop", {"Value": Link(0, "Value")}),
+        ],
     ],
 )
-def test_cycles_are_refused_by_name(nodes: list[Node]):
+def test_cycles_are_refused_by_name(nodes: list[Node]) -> None:
     with pytest.raises(ValueError, match=r"'probe'.*cycle"):
         probe.compile_graph(Graph(nodes, Link(0, "Value")))
 
 
-def test_links_out_of_range_are_refused_by_name():
+def test_links_out_of_range_are_refused_by_name() -> None:
     with pytest.raises(ValueError, match=r"'probe', node 'm'.*'Value'.*7 of 1"):
         value_of([Node("ShaderNodeMath", "m", {"Value": Link(7, "Value")})], "Value")
     with pytest.raises(ValueError, match=r"surface is node 3 of 0"):
         probe.compile_graph(Graph([], Link(3, "Value")))
 
 
-def test_unknown_kinds_are_named_and_pass_their_first_link_on():
+def test_unknown_kinds_are_named_and_pass_their_first_link_on() -> None:
     nodes = [
         Node("ShaderNodeNewGeometry", "g"),
         Node("ShaderNodeFromTheFuture", "new", {"Amount": 3.0, "Vector": Link(0, "Position")}),
-        Node("ShaderNodeVectorMath", "scale", {"Vector": Link(1, "Whatever"), "Scale": 2.0},
-             {"operation": "SCALE"}),
+        Node(
+            "ShaderNodeVectorMath",
+            "scale",
+            {"Vector": Link(1, "Whatever"), "Scale": 2.0},
+            {"operation": "SCALE"},
+        ),
     ]
     material = probe.compile_graph(Graph(nodes, Link(2, "Vector")), "Steel")
     assert len(material.warnings) == 1
@@ -162,7 +198,7 @@ def test_unknown_kinds_are_named_and_pass_their_first_link_on():
     np.testing.assert_allclose(material.emission(p, n, wo), 2 * p, rtol=1e-6)
 
 
-def test_unknown_shaders_are_grey_and_never_black():
+def test_unknown_shaders_are_grey_and_never_black() -> None:
     graph = Graph([Node("ShaderNodeBsdfFromTheFuture", "new")], Link(0, "BSDF"))
     material = probe.compile_graph(graph)
     assert material.traits["lobes"] != 0
@@ -177,14 +213,14 @@ def test_unknown_shaders_are_grey_and_never_black():
         (Node("ShaderNodeMath", "m", {"Velocity": 1.0}), "'Velocity'"),
     ],
 )
-def test_unknown_parts_of_nodes_are_named(node: Node, what: str):
+def test_unknown_parts_of_nodes_are_named(node: Node, what: str) -> None:
     material = probe.compile_graph(Graph([node], Link(0, "Value")))
     assert len(material.warnings) == 1
     assert what in material.warnings[0]
     assert "'m' (ShaderNodeMath)" in material.warnings[0]
 
 
-def test_a_missing_image_is_magenta_and_named():
+def test_a_missing_image_is_magenta_and_named() -> None:
     missing = Image("lost.png", None)
     for index, name in ((0, "lost.png"), (-1, "no image"), (9, "no image")):
         node = Node("ShaderNodeTexImage", "tex", {}, {"image": index})
@@ -194,7 +230,7 @@ def test_a_missing_image_is_magenta_and_named():
         assert any(name in warning for warning in material.warnings)
 
 
-def test_equal_subexpressions_are_computed_once():
+def test_equal_subexpressions_are_computed_once() -> None:
     nodes = [
         Node("ShaderNodeTexNoise", "a"),
         Node("ShaderNodeTexNoise", "b"),
@@ -205,23 +241,26 @@ def test_equal_subexpressions_are_computed_once():
     assert both == single + 1
 
 
-def test_attributes_that_are_read_are_listed():
+def test_attributes_that_are_read_are_listed() -> None:
     nodes = [
         Node("ShaderNodeAttribute", "a", {}, {"attribute_name": "wear"}),
         Node("ShaderNodeUVMap", "uv", {}, {"uv_map": "UVMap"}),
         Node("ShaderNodeNormalMap", "n", {"Strength": 0.5}, {"uv_map": "UVMap"}),
         Node("ShaderNodeAttribute", "dead", {}, {"attribute_name": "unread"}),
-        Node(DIFFUSE, "d", {"Color": Link(1, "UV"), "Roughness": Link(0, "Fac"),
-                            "Normal": Link(2, "Normal")}),
+        Node(
+            DIFFUSE,
+            "d",
+            {"Color": Link(1, "UV"), "Roughness": Link(0, "Fac"), "Normal": Link(2, "Normal")},
+        ),
     ]
     traits = probe.compile_graph(Graph(nodes, Link(4, "BSDF"))).traits
     assert sorted(traits["attributes"]) == ["UVMap", "tangent:UVMap", "wear"]
     assert traits["uses_bump"]
 
 
-def test_traits_of_surfaces():
-    def traits(node: Node, output: str) -> dict:
-        return probe.compile_graph(Graph([node], Link(0, output))).traits
+def test_traits_of_surfaces() -> None:
+    def traits(node: Node, output: str) -> dict[str, Any]:
+        return dict(probe.compile_graph(Graph([node], Link(0, output))).traits)
 
     plain = traits(Node(DIFFUSE, "d"), "BSDF")
     assert not plain["is_emissive"]
@@ -229,17 +268,26 @@ def test_traits_of_surfaces():
     assert plain["lobes"] == 1 | 4
     leaf = traits(Node("ShaderNodeBsdfPrincipled", "p", {"Alpha": 0.5}), "BSDF")
     assert leaf["maybe_transparent"]
-    dark = traits(Node("ShaderNodeBsdfPrincipled", "p", {"Emission Strength": 1.0,
-                                                         "Emission Color": (0, 0, 0, 1)}), "BSDF")
+    dark = traits(
+        Node(
+            "ShaderNodeBsdfPrincipled",
+            "p",
+            {"Emission Strength": 1.0, "Emission Color": (0, 0, 0, 1)},
+        ),
+        "BSDF",
+    )
     assert not dark["is_emissive"]
     lamp = traits(Node("ShaderNodeBsdfPrincipled", "p", {"Emission Strength": 2.0}), "BSDF")
     assert lamp["is_emissive"]
     assert lamp["average_emission"] == pytest.approx((2.0, 2.0, 2.0))
 
 
-def test_view_dependence_is_known():
-    for kind, output in (("ShaderNodeFresnel", "Fac"), ("ShaderNodeLightPath", "Ray Length"),
-                         ("ShaderNodeLayerWeight", "Facing")):
+def test_view_dependence_is_known() -> None:
+    for kind, output in (
+        ("ShaderNodeFresnel", "Fac"),
+        ("ShaderNodeLightPath", "Ray Length"),
+        ("ShaderNodeLayerWeight", "Facing"),
+    ):
         traits = probe.compile_graph(Graph([Node(kind, "n")], Link(0, output))).traits
         assert traits["view_dependent"]
         assert traits["emission_view_dependent"]
@@ -248,7 +296,7 @@ def test_view_dependence_is_known():
     assert not traits["view_dependent"]
 
 
-def test_socket_types_convert_as_in_cycles():
+def test_socket_types_convert_as_in_cycles() -> None:
     color = Node("ShaderNodeCombineColor", "c", {"Red": 1.0, "Green": 2.0, "Blue": 4.0})
     vector = Node("ShaderNodeCombineXYZ", "v", {"X": 1.0, "Y": 2.0, "Z": 4.0})
     double = Node("ShaderNodeMath", "m", {"Value": Link(0, "Color"), "Value_001": 0.0})
@@ -258,7 +306,7 @@ def test_socket_types_convert_as_in_cycles():
     assert emission_of([vector, double], Link(1, "Value")) == pytest.approx((7 / 3,) * 3, rel=1e-5)
 
 
-def test_average_emission_of_a_textured_light():
+def test_average_emission_of_a_textured_light() -> None:
     pixels = np.zeros((2, 2, 3), np.float32)
     pixels[..., 0], pixels[..., 1], pixels[0, 0, 2] = 0.5, 1.0, 2.0
     graph = Graph(

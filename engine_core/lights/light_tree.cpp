@@ -13,6 +13,9 @@ constexpr float kCosineSlack = 0x1p-10f;
 // Least share of a branch that reaches the receiver at all: an importance is a guess that knows
 // nothing of occlusion.
 constexpr float kLeastShare = 0x1p-12f;
+// Subtrees this small are weighed light by light: bounds of a few lights that point elsewhere often
+// promise what none of them keeps, and the choice would be wasted.
+constexpr uint32_t kExactLeaves = 4;
 
 float sine_of(float cosine) { return safe_sqrt(1.0f - cosine * cosine); }
 
@@ -132,9 +135,23 @@ float LightTree::node_importance(const Node& node, const Receiver& from) {
                kLargestImportance);
 }
 
-float LightTree::left_probability(uint32_t node, const Receiver& from) const {
-  const float left = node_importance(nodes_[node + 1], from);
-  const float right = node_importance(nodes_[nodes_[node].link], from);
+float LightTree::weight(uint32_t node, uint32_t leaves, const Receiver& from) const {
+  if (leaves > kExactLeaves) {
+    return node_importance(nodes_[node], from);
+  }
+  float sum = 0.0f;
+  for (uint32_t i = node; i < node + 2 * leaves - 1; ++i) {
+    if (nodes_[i].is_leaf) {
+      sum += node_importance(nodes_[i], from);
+    }
+  }
+  return sum;
+}
+
+float LightTree::left_probability(uint32_t node, uint32_t leaves, const Receiver& from) const {
+  const uint32_t left_leaves = (nodes_[node].link - node) / 2;
+  const float left = weight(node + 1, left_leaves, from);
+  const float right = weight(nodes_[node].link, leaves - left_leaves, from);
   if (!(left > 0.0f)) {
     return right > 0.0f ? 0.0f : -1.0f;
   }
@@ -149,7 +166,7 @@ uint32_t LightTree::sample(const Receiver& from, double u, float& pdf) const {
   uint32_t node = 0;
   auto leaves = static_cast<uint32_t>((nodes_.size() + 1) / 2);
   while (leaves > 1) {
-    const float left = left_probability(node, from);
+    const float left = left_probability(node, leaves, from);
     if (left < 0.0f) {
       return kNoIndex;
     }
@@ -176,7 +193,7 @@ float LightTree::pdf(const Receiver& from, uint32_t light) const {
   auto leaves = static_cast<uint32_t>((nodes_.size() + 1) / 2);
   uint32_t rank = rank_[light];
   while (leaves > 1) {
-    const float left = left_probability(node, from);
+    const float left = left_probability(node, leaves, from);
     if (left < 0.0f) {
       return 0.0f;
     }
@@ -227,7 +244,7 @@ class LightTreeBuilder {
       const LightBounds& leaf = bounds_[order_[begin]];
       const uint32_t light = lights_[order_[begin]];
       tree_.rank_[light] = begin;
-      store(node, leaf, light);
+      store(node, leaf, light, true);
       return leaf;
     }
     const uint32_t middle = split(begin, end, depth);
@@ -235,7 +252,7 @@ class LightTreeBuilder {
     const auto right_child = static_cast<uint32_t>(tree_.nodes_.size());
     const LightBounds right = build(middle, end, depth + 1);
     const LightBounds both = merge(left, right);
-    store(node, both, right_child);
+    store(node, both, right_child, false);
     return both;
   }
 
@@ -318,7 +335,7 @@ class LightTreeBuilder {
     }
   }
 
-  void store(uint32_t index, const LightBounds& b, uint32_t link) {
+  void store(uint32_t index, const LightBounds& b, uint32_t link, bool is_leaf) {
     LightTree::Node& node = tree_.nodes_[index];
     node.center = center_of(b);
     // Half the size, with the rounding of the centre.
@@ -334,6 +351,7 @@ class LightTreeBuilder {
     node.cos_o = below(b.cos_o);
     node.cos_e = below(b.cos_e);
     node.two_sided = b.two_sided ? 1 : 0;
+    node.is_leaf = is_leaf ? 1 : 0;
     node.intensity = b.intensity;
     node.link = link;
   }

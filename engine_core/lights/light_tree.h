@@ -42,7 +42,7 @@ class LightTree {
   bool empty() const { return nodes_.empty(); }
   // A rough irradiance at the receiver from all lights, 0 where none can reach it.
   float importance(const Receiver& from) const {
-    return empty() ? 0.0f : node_importance(nodes_[0], from);
+    return empty() ? 0.0f : weight(0, static_cast<uint32_t>((nodes_.size() + 1) / 2), from);
   }
   // The light chosen by u in [0,1), and the probability of the choice. Call where importance() is
   // not zero. kNoIndex where what was chosen turns out to reach nothing.
@@ -57,13 +57,15 @@ class LightTree {
     Vec3f center, half;           // of the box
     std::array<int16_t, 3> axis;  // in units of 1/32767; the cone holds its rounding
     int16_t cos_o, cos_e;
-    uint16_t two_sided;
+    uint8_t two_sided, is_leaf;
     float intensity;
     uint32_t link;  // inner: the right child; leaf: the light
   };
   static float node_importance(const Node& node, const Receiver& from);
+  // What a subtree is chosen in proportion to.
+  float weight(uint32_t node, uint32_t leaves, const Receiver& from) const;
   // Probability of the left child; negative where neither reaches the receiver.
-  float left_probability(uint32_t node, const Receiver& from) const;
+  float left_probability(uint32_t node, uint32_t leaves, const Receiver& from) const;
 
   std::vector<Node> nodes_;
   std::vector<uint32_t> rank_;  // of each light among the leaves

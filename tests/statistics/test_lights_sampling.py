@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from engine_core import probe
 from light_probes import (
     assert_samples_follow_density,
     compiled,
@@ -15,6 +14,8 @@ from light_probes import (
     sample,
 )
 from scenes import SceneBuilder, background, emission, look_at, mesh, placed
+
+from engine_core import probe
 
 Vector = tuple[float, float, float]
 UP: Vector = (0, 0, 1)

@@ -1,17 +1,18 @@
-"""Lights through the core's probes: receivers, samples by name, and what they are tested against."""
+"""Lights through the probes: receivers, samples by name, and what they are tested against."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-import engine_core
 import numpy as np
-from engine_core import probe
 from engine_core.description import Visibility
 from numpy.typing import NDArray
 from scenes import SceneBuilder
 from statistics_tools import assert_chi_squared
+
+import engine_core
+from engine_core import probe
 
 Array = NDArray[np.float64]
 Vector = Sequence[float]
@@ -159,7 +160,7 @@ def assert_samples_follow_density(
     rng: np.random.Generator,
     n: int = 20_000,
     bins: int = 12,
-    fine: int = 24,
+    fine: int = 16,
     thin: bool = False,
 ) -> Samples:
     """Chi-squared of the sampled directions against the density of the rays that meet lights.

@@ -218,7 +218,7 @@ Vec3f transform_between(TransformKind kind, VectorSpace from, VectorSpace to, Ve
                 z = camera->to_camera({0, 0, 1});
     const Vec3f c{v.x, v.y, -v.z};
     v = {dot(x, c), dot(y, c), dot(z, c)};
-    v = is_point ? v + camera->position() : v;
+    v = normal ? normalize(v) : (is_point ? v + camera->position() : v);
   } else if (is_point) {
     v = to_render(point, v);
   }
@@ -230,7 +230,8 @@ Vec3f transform_between(TransformKind kind, VectorSpace from, VectorSpace to, Ve
   }
   if (to == VectorSpace::kCamera && camera != nullptr) {
     v = camera->to_camera(is_point ? v - camera->position() : v);
-    return {v.x, v.y, -v.z};
+    v = {v.x, v.y, -v.z};
+    return normal ? normalize(v) : v;
   }
   return is_point ? to_world(point, v) : v;
 }
@@ -294,7 +295,8 @@ float bump_step(const SurfacePoint& point, float filter) {
   }
   // Far below the footprint a difference would be one of rounding errors: 64 of them keep the
   // slope within 2 %.
-  return std::max(filter * point.scene->footprint(point.p), 64.0f * max_component(point.p_error));
+  const float pixel = 2.0f * point.scene->footprint(point.p);
+  return std::max(filter * pixel, 64.0f * max_component(point.p_error));
 }
 
 }  // namespace vernier

@@ -71,7 +71,7 @@ float layer_weight(LayerWeightKind kind, const SurfacePoint& point, float blend,
 // The point moved by `step` metres along one of two orthogonal tangents of the surface.
 enum class ShiftAxis : uint8_t { kX, kY };
 SurfacePoint shifted(const SurfacePoint& point, ShiftAxis axis, float step);
-// Length of bump mapping's differences at a point: `filter` times the pixel's footprint.
+// Length of bump mapping's differences at a point: `filter` times the pixel's width there.
 float bump_step(const SurfacePoint& point, float filter);
 
 }  // namespace vernier

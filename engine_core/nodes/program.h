@@ -107,7 +107,7 @@ struct Program {
   std::vector<Vec4f> constants;
   uint32_t register_count = 0;
   bool uses_bump = false;
-  float bump_filter = 0.1f;  // step of bump differences over the pixel's footprint
+  float bump_filter = 0.1f;  // step of bump differences over the pixel's width
 };
 
 // The operands of one instruction.

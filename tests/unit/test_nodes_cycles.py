@@ -189,7 +189,6 @@ def colours() -> list[Case]:
 
 def textures() -> list[Case]:
     cases: list[Case] = []
-    inputs: dict[str, Any]
     w = {"Vector": POINT, "W": [0, "Y"]}
     dims = items("TexNoise", "noise_dimensions")
     shape = {"Scale": 1.7, "Detail": 3.4, "Roughness": 0.6, "Lacunarity": 2.1, "Distortion": 0.4}

@@ -54,7 +54,7 @@ class Intersector {
   // The closest hit on an instance whose mask shares a bit with `mask`.
   bool intersect(const Ray& ray, uint32_t mask, Hit& hit) const {
     embree::RayHit r;
-    r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z, r.tnear = 0.0f;
+    r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z, r.tnear = kBehind;
     r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z, r.time = 0.0f;
     r.tfar = ray.t_max, r.mask = mask, r.id = 0, r.flags = 0;
     r.geom_id = embree::kInvalidId, r.inst_id = embree::kInvalidId;
@@ -71,7 +71,7 @@ class Intersector {
   // Whether anything that `mask` sees lies on the ray.
   bool occluded(const Ray& ray, uint32_t mask) const {
     embree::OcclusionRay r;
-    r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z, r.tnear = 0.0f;
+    r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z, r.tnear = kBehind;
     r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z, r.time = 0.0f;
     r.tfar = ray.t_max, r.mask = mask, r.id = 0, r.flags = 0;
     occluded1_(top_, &r, nullptr);
@@ -79,6 +79,10 @@ class Intersector {
   }
 
  private:
+  // A ray that starts exactly on a surface (a plane whose coordinate is 0 needs no offset) must not
+  // meet it at t = 0, which Embree counts as a hit.
+  static constexpr float kBehind = std::numeric_limits<float>::min();
+
   void release();
 
   const embree::Library& lib_;

@@ -1,7 +1,6 @@
 #include "sampling/pixel_filter.h"
 
 #include <numbers>
-#include <vector>
 
 namespace vernier {
 namespace {
@@ -23,28 +22,26 @@ double shape(FilterKind kind, double x) {
 
 }  // namespace
 
-PixelFilter2d::PixelFilter2d(FilterKind kind, float width) {
-  // The distribution function by the trapezoidal rule, inverted at even steps.
-  constexpr int kSteps = 1 << 14;
-  std::vector<double> cdf(kSteps + 1, 0.0);
-  for (int i = 1; i <= kSteps; ++i) {
-    const double a = static_cast<double>(i - 1) / kSteps - 0.5;
-    const double b = static_cast<double>(i) / kSteps - 0.5;
-    cdf[static_cast<size_t>(i)] =
-        cdf[static_cast<size_t>(i - 1)] + 0.5 * (shape(kind, a) + shape(kind, b));
-  }
-  const double total = cdf.back();
-  size_t step = 0;
-  for (size_t i = 0; i <= static_cast<size_t>(kCells); ++i) {
-    const double target = total * static_cast<double>(i) / kCells;
-    while (step < static_cast<size_t>(kSteps) && cdf[step + 1] < target) {
-      ++step;
+PixelFilter2d::PixelFilter2d(FilterKind kind, float width) : width_(width) {
+  // Cell integrals by the midpoint rule.
+  constexpr int kSteps = 32;
+  std::array<double, kCells + 1> sum{};
+  for (size_t cell = 0; cell < kCells; ++cell) {
+    sum[cell + 1] = sum[cell];
+    for (int i = 0; i < kSteps; ++i) {
+      const double x = (static_cast<double>(cell) + (i + 0.5) / kSteps) / kCells - 0.5;
+      sum[cell + 1] += shape(kind, x);
     }
-    const size_t next = std::min(step + 1, static_cast<size_t>(kSteps));
-    const double rise = cdf[next] - cdf[step];
-    const double part = rise > 0.0 ? (target - cdf[step]) / rise : 0.0;
-    const double x = (static_cast<double>(step) + part) / kSteps - 0.5;
-    inverse_[i] = static_cast<float>(x * static_cast<double>(width));
+  }
+  for (size_t i = 0; i <= kCells; ++i) {
+    cdf_[i] = static_cast<float>(sum[i] / sum[kCells]);
+  }
+  size_t cell = 0;
+  for (size_t i = 0; i < kCells; ++i) {
+    while (cdf_[cell + 1] <= static_cast<float>(i) / kCells) {
+      ++cell;
+    }
+    guide_[i] = static_cast<uint8_t>(cell);
   }
 }
 

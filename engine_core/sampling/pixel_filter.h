@@ -19,16 +19,20 @@ class PixelFilter2d {
   Vec2f sample(Vec2f u) const { return {sample_1d(u.x), sample_1d(u.y)}; }
 
  private:
-  static constexpr int kCells = 256;
+  static constexpr int kCells = 128;  // of even width: the density is constant in each
 
-  // Piecewise linear inverse of the distribution function.
   float sample_1d(float u) const {
-    const float x = u * kCells;
-    const auto i = static_cast<size_t>(std::min(static_cast<int>(x), kCells - 1));
-    return lerp(inverse_[i], inverse_[i + 1], x - static_cast<float>(i));
+    size_t cell = guide_[static_cast<size_t>(u * kCells)];
+    while (cdf_[cell + 1] <= u) {
+      ++cell;
+    }
+    const float within = (u - cdf_[cell]) / (cdf_[cell + 1] - cdf_[cell]);
+    return ((static_cast<float>(cell) + within) * (1.0f / kCells) - 0.5f) * width_;
   }
 
-  std::array<float, kCells + 1> inverse_;
+  float width_;
+  std::array<float, kCells + 1> cdf_;
+  std::array<uint8_t, kCells> guide_;  // the cell of u = i / kCells: where the search begins
 };
 
 }  // namespace vernier

@@ -8,19 +8,6 @@
 
 namespace vernier {
 
-void Bsdf::begin(const SurfacePoint& point) {
-  emission = transparency = holdout = Color{};
-  ng_ = point.ng;
-  ns_ = point.ns;
-  wo_ = point.wo;
-  wo_cos_ = std::max(dot(ng_, wo_), kUnitRoundoff);
-  backfacing_ = point.backfacing;
-  transparent_select_ = 0.0f;
-  count_ = overflow_ = 0;
-  bits_ = 0;
-  smooth_ = lambert_ = false;
-}
-
 // Removes a lobe that is no layer, and closes the gap.
 void Bsdf::drop(int index) {
   for (int i = index + 1; i < count_; ++i) {
@@ -55,7 +42,12 @@ Lobe* Bsdf::add(LobeKind kind, Color weight, Vec3f normal) {
     }
     drop(weakest);
   }
-  Lobe* lobe = std::construct_at(&lobes_[count_++]);
+  Lobe* lobe = &lobes_[count_++];
+  if (is_microfacet(kind)) {
+    std::construct_at(lobe);
+  } else {
+    static_cast<LobeTraits&>(*lobe) = LobeTraits{};
+  }
   lobe->kind = kind;
   lobe->weight = weight;
   lobe->normal = normal;

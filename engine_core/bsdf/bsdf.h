@@ -73,7 +73,18 @@ class Bsdf {
   Bsdf() {}
 
   // Starts over at a point. Lobes see wo, ng, ns and the side of the surface from here.
-  void begin(const SurfacePoint& point);
+  void begin(const SurfacePoint& point) {
+    emission = transparency = holdout = Color{};
+    ng_ = point.ng;
+    ns_ = point.ns;
+    wo_ = point.wo;
+    wo_cos_ = std::max(dot(ng_, wo_), kUnitRoundoff);
+    backfacing_ = point.backfacing;
+    transparent_select_ = 0.0f;
+    count_ = overflow_ = 0;
+    bits_ = 0;
+    smooth_ = lambert_ = false;
+  }
 
   // Adders. `weight` is linear RGB, not negative, and holds the node's colour (except where the
   // parameters say otherwise) times its share in the mix. `normal` is unit, on the side of ng.

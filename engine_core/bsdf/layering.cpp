@@ -10,26 +10,22 @@
 namespace vernier {
 namespace {
 
-float table_roughness(const Lobe& lobe) {
-  return std::sqrt(std::sqrt(lobe.alpha_x * lobe.alpha_y));
-}
-
 // Share of a microfacet lobe's light that scatters once, seen from a direction.
-float single_scattering_energy(const Lobe& lobe, float roughness, float cos_v, float eta) {
+float single_scattering_energy(const Lobe& lobe, float cos_v, float eta) {
   if (lobe.kind != LobeKind::kGlass) {
-    return lookup_2d<EnergyTables::kFine>(energy_tables.reflection.data(), roughness, cos_v);
+    return lookup_2d<EnergyTables::kFine>(energy_tables.reflection.data(), lobe.roughness, cos_v);
   }
   const size_t inside = eta < 1.0f ? 1 : 0;
-  return lookup_3d<EnergyTables::kCoarse>(energy_tables.glass[inside].data(), roughness, cos_v,
-                                          ior_axis(eta));
+  return lookup_3d<EnergyTables::kCoarse>(energy_tables.glass[inside].data(), lobe.roughness, cos_v,
+                                          lobe.ior_axis);
 }
-float average_energy(const Lobe& lobe, float roughness, float eta) {
+float average_energy(const Lobe& lobe, float eta) {
   if (lobe.kind != LobeKind::kGlass) {
     return lobe.average_energy;
   }
   const size_t inside = eta < 1.0f ? 1 : 0;
-  return lookup_2d<EnergyTables::kCoarse>(energy_tables.glass_average[inside].data(), roughness,
-                                          ior_axis(eta));
+  return lookup_2d<EnergyTables::kCoarse>(energy_tables.glass_average[inside].data(),
+                                          lobe.roughness, lobe.ior_axis);
 }
 
 struct Compensation {
@@ -40,8 +36,7 @@ struct Compensation {
 
 // Kulla and Conty 2017: missing energy spread as the single-scattering lobe, times Fss per bounce.
 Compensation compensation(const Lobe& lobe, float cos_v, float eta) {
-  const float roughness = table_roughness(lobe);
-  const float e = single_scattering_energy(lobe, roughness, cos_v, eta);
+  const float e = single_scattering_energy(lobe, cos_v, eta);
   if (!(e > 0.0f)) {
     return {};
   }
@@ -49,7 +44,7 @@ Compensation compensation(const Lobe& lobe, float cos_v, float eta) {
   Compensation c;
   c.energy = 1.0f + missing;
   if (!(lobe.average_fresnel == splat(1.0f))) {
-    const float e_avg = average_energy(lobe, roughness, eta);
+    const float e_avg = average_energy(lobe, eta);
     const Color fss = lobe.average_fresnel;
     const Color fms = fss * e_avg / (splat(1.0f) - fss * (1.0f - e_avg));
     c.darkening = (splat(1.0f) + fms * missing) / c.energy;
@@ -117,8 +112,8 @@ LobeAlbedo lobe_albedo(const Lobe& lobe, float cos_v, float eta, float film_ior)
   const bool film = lobe.film.thickness > kNoFilm;
   if (!film && (lobe.fresnel == FresnelKind::kSchlick ||
                 (lobe.fresnel == FresnelKind::kDielectric && eta > 1.0f))) {
-    const float blend = lookup_3d<EnergyTables::kCoarse>(
-        energy_tables.dielectric_blend.data(), table_roughness(lobe), cos_v, ior_axis(eta));
+    const float blend = lookup_3d<EnergyTables::kCoarse>(energy_tables.dielectric_blend.data(),
+                                                         lobe.roughness, cos_v, lobe.ior_axis);
     if (lobe.fresnel == FresnelKind::kDielectric) {
       return {splat(lerp(f0_from_ior(eta), 1.0f, blend)), {}};
     }
@@ -126,8 +121,8 @@ LobeAlbedo lobe_albedo(const Lobe& lobe, float cos_v, float eta, float film_ior)
     return {f * lobe.reflection_tint, (splat(1.0f) - f) * lobe.transmission_tint};
   }
   if (!film && lobe.fresnel == FresnelKind::kF82) {
-    const float blend = lookup_2d<EnergyTables::kCoarse>(energy_tables.schlick_blend.data(),
-                                                         table_roughness(lobe), cos_v);
+    const float blend =
+        lookup_2d<EnergyTables::kCoarse>(energy_tables.schlick_blend.data(), lobe.roughness, cos_v);
     return {lerp(lobe.f0, splat(1.0f), blend), {}};
   }
   const FresnelSplit f = lobe_fresnel(lobe, cos_v, eta, film_ior);

@@ -29,9 +29,8 @@ enum class FresnelKind : uint8_t {
   kConductor,   // f0 and b hold n and k
 };
 
-// A lobe without anything that depends on direction. Normals are on the side of ng that wo was on
-// at begin(); `eta` is the index beyond the surface over that on this side.
-struct Lobe {
+// What every lobe must say.
+struct LobeTraits {
   LobeKind kind = LobeKind::kLambert;
   FresnelKind fresnel = FresnelKind::kNone;
   bool beckmann = false;
@@ -44,6 +43,12 @@ struct Lobe {
   bool thin = false;       // one side of a thin dielectric sheet: weighted by its reflectance
   uint8_t reflection_bits = 0, transmission_bits = 0;  // LobeBits of its events; 0: it makes none
   int8_t above = -1;                                   // lobe whose layer lies over this one
+};
+
+// A lobe without anything that depends on direction. Normals are on the side of ng that wo was on
+// at begin(); `eta` is the index beyond the surface over that on this side. Only microfacet lobes
+// set all fields; the others set what they read.
+struct Lobe : LobeTraits {
   Color weight;
   Vec3f normal;
   Vec3f tangent;  // where alpha_x != alpha_y
@@ -52,6 +57,8 @@ struct Lobe {
   Color f0, b;
   Color reflection_tint, transmission_tint;
   ThinFilm film;
+  float roughness = 0.0f;       // coordinate in the energy tables
+  float ior_axis = 0.0f;        // likewise, of eta or its inverse
   Color average_fresnel;        // Fss of Kulla and Conty: compensate
   float average_energy = 1.0f;  // E_avg, for reflection lobes
   float layer_share = 1.0f;     // part of what is below that is_layer covers

@@ -72,6 +72,9 @@ inline void set_oren_nayar(Lobe& lobe, float roughness, Color color) {
 inline void finish_microfacet(Lobe& lobe, bool compensate, Color average_fresnel) {
   lobe.alpha_x = saturate(lobe.alpha_x);
   lobe.alpha_y = saturate(lobe.alpha_y);
+  lobe.roughness = lobe.alpha_x == lobe.alpha_y ? std::sqrt(lobe.alpha_x)
+                                                : std::sqrt(std::sqrt(lobe.alpha_x * lobe.alpha_y));
+  lobe.ior_axis = ior_axis(lobe.eta);
   const bool refracts = lobe.kind != LobeKind::kReflection;
   if (lobe.alpha_x * lobe.alpha_y <= kSingularAlphaProduct ||
       (refracts && std::abs(lobe.eta - 1.0f) < kMatchedIor)) {
@@ -84,9 +87,8 @@ inline void finish_microfacet(Lobe& lobe, bool compensate, Color average_fresnel
   lobe.compensate = compensate;
   if (compensate) {
     lobe.average_fresnel = clamp01(average_fresnel);
-    const float roughness = std::sqrt(std::sqrt(lobe.alpha_x * lobe.alpha_y));
     lobe.average_energy =
-        lookup_1d<EnergyTables::kFine>(energy_tables.reflection_average.data(), roughness);
+        lookup_1d<EnergyTables::kFine>(energy_tables.reflection_average.data(), lobe.roughness);
   }
 }
 

@@ -6,7 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bsdf_tools import LOBES, Array, Samples, Surface, Values, closure, direction, sphere, surface
+from bsdf_tools import (
+    LOBES,
+    Array,
+    Samples,
+    Surface,
+    Values,
+    closure,
+    direction,
+    single,
+    sphere,
+    surface,
+)
 from scipy.stats import qmc
 
 from engine_core import probe
@@ -89,7 +100,7 @@ def test_principled_reflects_no_more_than_it_gets(cosine: float) -> None:
 def test_stated_albedo_is_near(name: str) -> None:
     s = surface(*LOBES[name])
     for cosine in (0.9, 0.5):
-        stated = np.array(probe.bsdf_info(s, np.float32(direction(cosine)))["albedo"])
+        stated = np.array(probe.bsdf_info(s, single(direction(cosine)))["albedo"])
         mean, error = albedo(s, cosine)
         if LOBES[name][0]["kind"] in ("toon", "velvet") or "ashikhmin" in name:
             assert (stated >= mean - 5 * error - 1e-3).all()  # Cycles states their weight
@@ -112,7 +123,7 @@ def test_layers_attenuate_by_what_the_camera_sees() -> None:
 
 
 def test_transparency_and_emission() -> None:
-    wo = np.float32(direction(0.5))
+    wo = single(direction(0.5))
     glow = closure("principled", alpha=0.25, emission_color=(1.0, 0.5, 0.0), emission_strength=8.0)
     info = probe.bsdf_info(surface(glow), wo)
     np.testing.assert_allclose(info["transparency"], 0.75)
@@ -121,7 +132,7 @@ def test_transparency_and_emission() -> None:
     assert 0.5 * 2 < coated[0] < 2
     samples = Samples(surface(glow), direction(0.5), np.random.default_rng(1).random((4000, 3)))
     through = (samples.lobe & 32) > 0
-    np.testing.assert_allclose(samples.wi[through], -np.broadcast_to(wo, (through.sum(), 3)))
+    np.testing.assert_allclose(samples.wi[through], np.tile(-wo, (int(through.sum()), 1)))
     np.testing.assert_allclose(
         samples.weight[through] * samples.pdf[through, None], 0.75, rtol=1e-5
     )
@@ -217,7 +228,7 @@ def test_extremes_stay_finite(kind: str) -> None:
             samples = Samples(s, wo, u, importance=importance)
             wi = np.concatenate([directions, -directions, samples.wi[samples.valid], -wo, wo])
             e = Values(s, wo, wi, importance=importance)
-            info = probe.bsdf_info(s, np.float32(wo))
+            info = probe.bsdf_info(s, single(wo))
             for values in (e.f, e.pdf, e.pdf_reverse, samples.weight, samples.pdf,
                            samples.pdf_reverse, samples.eta, info["albedo"],
                            info["mean_squared_roughness"]):  # fmt: skip

@@ -15,7 +15,8 @@ namespace {
 bool is_link(nb::handle value) { return nb::hasattr(value, "node"); }
 
 NodeLink read_link(nb::handle link) {
-  return {nb::cast<int32_t>(nb::int_(link.attr("node"))), nb::cast<std::string>(link.attr("output"))};
+  return {nb::cast<int32_t>(nb::int_(link.attr("node"))),
+          nb::cast<std::string>(link.attr("output"))};
 }
 
 // A scalar goes to the first channel; of sequences up to four numbers are read.

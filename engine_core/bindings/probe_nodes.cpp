@@ -103,8 +103,7 @@ Result evaluate(const Rows3& p, const Rows3& n, const Rows3& wo, Get get) {
 Result probe_emission(const ProbeMaterial& m, const Rows3& p, const Rows3& n, const Rows3& wo) {
   return evaluate(p, n, wo, [&](const SurfacePoint& s) { return m.material->emission(s); });
 }
-Result probe_transparency(const ProbeMaterial& m, const Rows3& p, const Rows3& n,
-                          const Rows3& wo) {
+Result probe_transparency(const ProbeMaterial& m, const Rows3& p, const Rows3& n, const Rows3& wo) {
   return evaluate(p, n, wo, [&](const SurfacePoint& s) { return m.material->transparency(s); });
 }
 
@@ -187,23 +186,34 @@ nb::str str(std::string_view text) { return nb::str(text.data(), text.size()); }
 
 const char* type_name(SocketType type) {
   switch (type) {
-    case SocketType::kFloat: return "VALUE";
-    case SocketType::kVector: return "VECTOR";
-    case SocketType::kColor: return "RGBA";
-    case SocketType::kShader: return "SHADER";
+    case SocketType::kFloat:
+      return "VALUE";
+    case SocketType::kVector:
+      return "VECTOR";
+    case SocketType::kColor:
+      return "RGBA";
+    case SocketType::kShader:
+      return "SHADER";
   }
   return "";
 }
 
 const char* type_name(ParamType type) {
   switch (type) {
-    case ParamType::kBool: return "bool";
-    case ParamType::kInt: return "int";
-    case ParamType::kFloat: return "float";
-    case ParamType::kString: return "string";
-    case ParamType::kEnum: return "enum";
-    case ParamType::kFloats: return "floats";
-    case ParamType::kImage: return "image";
+    case ParamType::kBool:
+      return "bool";
+    case ParamType::kInt:
+      return "int";
+    case ParamType::kFloat:
+      return "float";
+    case ParamType::kString:
+      return "string";
+    case ParamType::kEnum:
+      return "enum";
+    case ParamType::kFloats:
+      return "floats";
+    case ParamType::kImage:
+      return "image";
   }
   return "";
 }

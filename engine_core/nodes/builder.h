@@ -39,12 +39,12 @@ class ProgramBuilder {
   // their average.
   Value convert(Value value, SocketType type);
 
-  Value add(Value a, Value b);                // scalars
-  Value multiply(Value a, Value b);           // scalars
-  Value one_minus(Value a);                   // scalar
+  Value add(Value a, Value b);       // scalars
+  Value multiply(Value a, Value b);  // scalars
+  Value one_minus(Value a);          // scalar
 
   bool is_constant(Value value) const;
-  Vec4f constant_value(Value value) const;    // of a constant
+  Vec4f constant_value(Value value) const;  // of a constant
   bool is_constant(Value value, float scalar) const;
 
   // Appends to the data tables and returns the index of the first element.

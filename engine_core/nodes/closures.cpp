@@ -13,9 +13,7 @@ class Parameters {
   Vec3f vector(int i) const { return values_[operands_[i]].xyz(); }
   Color color(int i) const { return max(vector(i), Color{}); }
   // The zero vector where the socket is not linked to anything.
-  Vec3f optional_vector(int i) const {
-    return operands_[i] == kNoOperand ? Vec3f{} : vector(i);
-  }
+  Vec3f optional_vector(int i) const { return operands_[i] == kNoOperand ? Vec3f{} : vector(i); }
 
  private:
   const Operand* operands_;
@@ -98,13 +96,15 @@ void add_closure(const ClosureList& list, const ClosureCode& closure, const Prog
     case ClosureKind::kTranslucent:
       bsdf.add_translucent(p.color(0) * weight, closure_normal(closure, values, point));
       return;
-    case ClosureKind::kTransparent: bsdf.add_transparent(p.color(0) * weight); return;
+    case ClosureKind::kTransparent:
+      bsdf.add_transparent(p.color(0) * weight);
+      return;
     case ClosureKind::kGlossy: {
       const Color color = p.color(glossy::kColor);
-      bsdf.add_glossy(color * weight, closure_normal(closure, values, point),
-                      {closure.distribution, p.scalar(glossy::kRoughness),
-                       p.scalar(glossy::kAnisotropy), p.scalar(glossy::kRotation),
-                       p.optional_vector(glossy::kTangent), color});
+      bsdf.add_glossy(
+          color * weight, closure_normal(closure, values, point),
+          {closure.distribution, p.scalar(glossy::kRoughness), p.scalar(glossy::kAnisotropy),
+           p.scalar(glossy::kRotation), p.optional_vector(glossy::kTangent), color});
       return;
     }
     case ClosureKind::kMetallic:
@@ -113,14 +113,16 @@ void add_closure(const ClosureList& list, const ClosureCode& closure, const Prog
       return;
     case ClosureKind::kGlass:
       bsdf.add_glass(splat(weight), closure_normal(closure, values, point),
-                     {closure.distribution, p.color(glass::kColor), p.scalar(glass::kRoughness),
+                     {closure.distribution,
+                      p.color(glass::kColor),
+                      p.scalar(glass::kRoughness),
                       p.scalar(glass::kIor),
                       {p.scalar(glass::kFilmThickness), p.scalar(glass::kFilmIor)}});
       return;
     case ClosureKind::kRefraction:
-      bsdf.add_refraction(p.color(glass::kColor) * weight, closure_normal(closure, values, point),
-                          {closure.distribution, p.scalar(glass::kRoughness),
-                           p.scalar(glass::kIor)});
+      bsdf.add_refraction(
+          p.color(glass::kColor) * weight, closure_normal(closure, values, point),
+          {closure.distribution, p.scalar(glass::kRoughness), p.scalar(glass::kIor)});
       return;
     case ClosureKind::kSheen:
       bsdf.add_sheen(p.color(diffuse::kColor) * weight, closure_normal(closure, values, point),
@@ -131,9 +133,9 @@ void add_closure(const ClosureList& list, const ClosureCode& closure, const Prog
                       p.scalar(diffuse::kRoughness));
       return;
     case ClosureKind::kToon:
-      bsdf.add_toon(p.color(toon::kColor) * weight, closure_normal(closure, values, point),
-                    {closure.option, saturate(p.scalar(toon::kSize)),
-                     saturate(p.scalar(toon::kSmooth))});
+      bsdf.add_toon(
+          p.color(toon::kColor) * weight, closure_normal(closure, values, point),
+          {closure.option, saturate(p.scalar(toon::kSize)), saturate(p.scalar(toon::kSmooth))});
       return;
     case ClosureKind::kSubsurface:
       bsdf.add_subsurface(p.color(0) * weight, closure_normal(closure, values, point));
@@ -145,7 +147,9 @@ void add_closure(const ClosureList& list, const ClosureCode& closure, const Prog
     case ClosureKind::kEmission:
       bsdf.add_emission(p.vector(emission::kColor) * (p.scalar(emission::kStrength) * weight));
       return;
-    case ClosureKind::kHoldout: bsdf.add_holdout(splat(weight)); return;
+    case ClosureKind::kHoldout:
+      bsdf.add_holdout(splat(weight));
+      return;
   }
 }
 
@@ -161,9 +165,8 @@ Color closure_emission(const ClosureList& list, const ClosureCode& closure,
   }
   const bool covered = p.scalar(principled::kCoat) > 0.0f || p.scalar(principled::kSheen) > 0.0f;
   if (!covered) {
-    return p.vector(principled::kEmissionColor) *
-           (p.scalar(principled::kEmissionStrength) * saturate(p.scalar(principled::kAlpha)) *
-            weight);
+    return p.vector(principled::kEmissionColor) * (p.scalar(principled::kEmissionStrength) *
+                                                   saturate(p.scalar(principled::kAlpha)) * weight);
   }
   // Coat and sheen absorb by their albedo, which the lobes know.
   Bsdf bsdf;
@@ -177,10 +180,12 @@ Color closure_transparency(const ClosureList& list, const ClosureCode& closure,
   const float weight = values[closure.weight].x;
   const Parameters p(list, closure, values);
   switch (closure.kind) {
-    case ClosureKind::kTransparent: return p.color(0) * std::max(weight, 0.0f);
+    case ClosureKind::kTransparent:
+      return p.color(0) * std::max(weight, 0.0f);
     case ClosureKind::kPrincipled:
       return splat((1.0f - saturate(p.scalar(principled::kAlpha))) * std::max(weight, 0.0f));
-    default: return {};
+    default:
+      return {};
   }
 }
 

@@ -64,7 +64,14 @@ enum : uint8_t { kColor, kRoughness, kAnisotropy, kRotation, kTangent };
 }
 namespace metallic {
 enum : uint8_t {
-  kBase, kEdge, kRoughness, kAnisotropy, kRotation, kTangent, kFilmThickness, kFilmIor,
+  kBase,
+  kEdge,
+  kRoughness,
+  kAnisotropy,
+  kRotation,
+  kTangent,
+  kFilmThickness,
+  kFilmIor,
 };
 }
 namespace glass {
@@ -78,10 +85,33 @@ enum : uint8_t { kColor, kStrength };
 }
 namespace principled {
 enum : uint8_t {
-  kBaseColor, kMetallic, kRoughness, kIor, kAlpha, kThinWall, kDiffuseRoughness, kSubsurface,
-  kSubsurfaceAnisotropy, kSpecularLevel, kSpecularTint, kAnisotropic, kAnisotropicRotation,
-  kTangent, kTransmission, kCoat, kCoatRoughness, kCoatIor, kCoatTint, kCoatNormal, kSheen,
-  kSheenRoughness, kSheenTint, kEmissionColor, kEmissionStrength, kFilmThickness, kFilmIor,
+  kBaseColor,
+  kMetallic,
+  kRoughness,
+  kIor,
+  kAlpha,
+  kThinWall,
+  kDiffuseRoughness,
+  kSubsurface,
+  kSubsurfaceAnisotropy,
+  kSpecularLevel,
+  kSpecularTint,
+  kAnisotropic,
+  kAnisotropicRotation,
+  kTangent,
+  kTransmission,
+  kCoat,
+  kCoatRoughness,
+  kCoatIor,
+  kCoatTint,
+  kCoatNormal,
+  kSheen,
+  kSheenRoughness,
+  kSheenTint,
+  kEmissionColor,
+  kEmissionStrength,
+  kFilmThickness,
+  kFilmIor,
 };
 }
 

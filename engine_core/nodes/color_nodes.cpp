@@ -12,9 +12,9 @@ constexpr SocketType kVector = SocketType::kVector;
 constexpr SocketType kColor = SocketType::kColor;
 
 std::vector<std::string_view> blend_items() {
-  return {"MIX", "DARKEN", "MULTIPLY", "BURN", "LIGHTEN", "SCREEN", "DODGE", "ADD", "OVERLAY",
-          "SOFT_LIGHT", "LINEAR_LIGHT", "DIFFERENCE", "EXCLUSION", "SUBTRACT", "DIVIDE", "HUE",
-          "SATURATION", "COLOR", "VALUE"};
+  return {"MIX",    "DARKEN",  "MULTIPLY",   "BURN",         "LIGHTEN",    "SCREEN",    "DODGE",
+          "ADD",    "OVERLAY", "SOFT_LIGHT", "LINEAR_LIGHT", "DIFFERENCE", "EXCLUSION", "SUBTRACT",
+          "DIVIDE", "HUE",     "SATURATION", "COLOR",        "VALUE"};
 }
 
 void lower_mix(NodeLowering& node) {
@@ -24,25 +24,24 @@ void lower_mix(NodeLowering& node) {
   const auto clamped = [&](Value factor, SocketType t) {
     return clamps ? node.emit(Op::kSaturate, 0, t, {factor}) : factor;
   };
-  for (const std::string_view output : {"Result_Float", "Result_Vector", "Result_Color",
-                                        "Result_Rotation"}) {
+  for (const std::string_view output :
+       {"Result_Float", "Result_Vector", "Result_Color", "Result_Rotation"}) {
     node.set(output, node.builder().constant(0.0f));
   }
   if (type == DataType::kRotations) {
     node.warn("rotations are not supported; the result is zero");
   } else if (type == DataType::kNumbers) {
-    node.set("Result_Float",
-             node.emit(Op::kMixFloat, 0, kFloat, {clamped(node.input("Factor_Float"), kFloat),
-                                                  node.input("A_Float"), node.input("B_Float")}));
+    node.set("Result_Float", node.emit(Op::kMixFloat, 0, kFloat,
+                                       {clamped(node.input("Factor_Float"), kFloat),
+                                        node.input("A_Float"), node.input("B_Float")}));
   } else if (type == DataType::kVectors) {
     enum class FactorMode { kUniform, kNonUniform };
     const bool uniform = node.param_enum<FactorMode>("factor_mode") == FactorMode::kUniform;
     const Value factor = uniform ? clamped(node.input("Factor_Float"), kFloat)
                                  : clamped(node.input("Factor_Vector"), kVector);
-    node.set("Result_Vector",
-             node.emit(Op::kMixVector, 0, kVector, {node.builder().convert(factor, kVector),
-                                                    node.input("A_Vector"),
-                                                    node.input("B_Vector")}));
+    node.set("Result_Vector", node.emit(Op::kMixVector, 0, kVector,
+                                        {node.builder().convert(factor, kVector),
+                                         node.input("A_Vector"), node.input("B_Vector")}));
   } else {
     Value color = node.emit(Op::kBlend, node.param_enum<BlendMode>("blend_type"), kColor,
                             {clamped(node.input("Factor_Float"), kFloat), node.input("A_Color"),
@@ -85,7 +84,8 @@ void lower_ramp(NodeLowering& node) {
   style.hue = node.param_enum<HueInterpolation>("hue_interpolation");
   const uint32_t table = add_table(node, sample_ramp(stops, style), 0.0f, 1.0f, false);
   const bool interpolates = style.interpolation != RampInterpolation::kConstant;
-  const Value color = node.emit(Op::kRamp, interpolates ? 1 : 0, kColor, {node.input("Fac")}, table);
+  const Value color =
+      node.emit(Op::kRamp, interpolates ? 1 : 0, kColor, {node.input("Fac")}, table);
   node.set("Color", color);
   if (node.wants("Alpha")) {
     node.set("Alpha", node.emit(Op::kExtract, 3, kFloat, {color}));
@@ -109,8 +109,7 @@ void lower_curves(NodeLowering& node, size_t channels, std::string_view factor,
     }
   }
   const uint32_t data = add_table(node, rows, min, max, node.param_bool("extrapolate"));
-  node.set(socket,
-           node.emit(Op::kCurves, 0, type, {node.input(factor), node.input(socket)}, data));
+  node.set(socket, node.emit(Op::kCurves, 0, type, {node.input(factor), node.input(socket)}, data));
 }
 void lower_rgb_curve(NodeLowering& node) { lower_curves(node, 3, "Fac", "Color", kColor); }
 void lower_vector_curve(NodeLowering& node) { lower_curves(node, 3, "Fac", "Vector", kVector); }
@@ -126,8 +125,7 @@ void lower_hue_saturation(NodeLowering& node) {
 }
 void lower_bright_contrast(NodeLowering& node) {
   node.set("Color", node.emit(Op::kBrightContrast, 0, kColor,
-                              {node.input("Color"), node.input("Bright"),
-                               node.input("Contrast")}));
+                              {node.input("Color"), node.input("Bright"), node.input("Contrast")}));
 }
 void lower_invert(NodeLowering& node) {
   node.set("Color", node.emit(Op::kInvert, 0, kColor, {node.input("Fac"), node.input("Color")}));
@@ -176,8 +174,8 @@ void lower_rgb(NodeLowering& node) {
   if (!given) {
     node.warn("it has no colour; 0.5 grey is used");
   }
-  node.set("Color", node.builder().constant(given ? Vec4f{c[0], c[1], c[2], 1.0f}
-                                                  : to_register(0.5f), kColor));
+  node.set("Color", node.builder().constant(
+                        given ? Vec4f{c[0], c[1], c[2], 1.0f} : to_register(0.5f), kColor));
 }
 
 NodeKind color_kind(std::string_view name, void (*lower)(NodeLowering&),
@@ -199,31 +197,31 @@ std::vector<ParamKind> curve_params() {
 // steps from min_x to max_x, the combined curve applied.
 std::vector<NodeKind> color_node_kinds() {
   return {
-      color_kind("ShaderNodeMix", lower_mix,
-                 {float_input("Factor_Float", 0.5f), vector_input("Factor_Vector", 0.5f, 0.5f, 0.5f),
-                  float_input("A_Float", 0.0f), float_input("B_Float", 0.0f),
-                  vector_input("A_Vector"), vector_input("B_Vector"), color_input("A_Color", 0.5f),
-                  color_input("B_Color", 0.5f), vector_input("A_Rotation"),
-                  vector_input("B_Rotation")},
-                 {float_output("Result_Float"), vector_output("Result_Vector"),
-                  color_output("Result_Color"), vector_output("Result_Rotation")},
-                 {enum_param("data_type", {"FLOAT", "VECTOR", "RGBA", "ROTATION"}),
-                  enum_param("factor_mode", {"UNIFORM", "NON_UNIFORM"}),
-                  enum_param("blend_type", blend_items()), bool_param("clamp_factor", true),
-                  bool_param("clamp_result", false)}),
-      color_kind("ShaderNodeMixRGB", lower_mix_rgb,
-                 {float_input("Fac", 0.5f), color_input("Color1", 0.5f),
-                  color_input("Color2", 0.5f)},
-                 {color_output("Color")},
-                 {enum_param("blend_type", blend_items()), bool_param("use_alpha", false),
-                  bool_param("use_clamp", false)}),
-      color_kind("ShaderNodeValToRGB", lower_ramp, {float_input("Fac", 0.5f)},
-                 {color_output("Color"), float_output("Alpha")},
-                 {floats_param("ramp"),
-                  enum_param("interpolation", {"LINEAR", "EASE", "B_SPLINE", "CARDINAL",
-                                               "CONSTANT"}),
-                  enum_param("color_mode", {"RGB", "HSV", "HSL"}),
-                  enum_param("hue_interpolation", {"NEAR", "FAR", "CW", "CCW"})}),
+      color_kind(
+          "ShaderNodeMix", lower_mix,
+          {float_input("Factor_Float", 0.5f), vector_input("Factor_Vector", 0.5f, 0.5f, 0.5f),
+           float_input("A_Float", 0.0f), float_input("B_Float", 0.0f), vector_input("A_Vector"),
+           vector_input("B_Vector"), color_input("A_Color", 0.5f), color_input("B_Color", 0.5f),
+           vector_input("A_Rotation"), vector_input("B_Rotation")},
+          {float_output("Result_Float"), vector_output("Result_Vector"),
+           color_output("Result_Color"), vector_output("Result_Rotation")},
+          {enum_param("data_type", {"FLOAT", "VECTOR", "RGBA", "ROTATION"}),
+           enum_param("factor_mode", {"UNIFORM", "NON_UNIFORM"}),
+           enum_param("blend_type", blend_items()), bool_param("clamp_factor", true),
+           bool_param("clamp_result", false)}),
+      color_kind(
+          "ShaderNodeMixRGB", lower_mix_rgb,
+          {float_input("Fac", 0.5f), color_input("Color1", 0.5f), color_input("Color2", 0.5f)},
+          {color_output("Color")},
+          {enum_param("blend_type", blend_items()), bool_param("use_alpha", false),
+           bool_param("use_clamp", false)}),
+      color_kind(
+          "ShaderNodeValToRGB", lower_ramp, {float_input("Fac", 0.5f)},
+          {color_output("Color"), float_output("Alpha")},
+          {floats_param("ramp"),
+           enum_param("interpolation", {"LINEAR", "EASE", "B_SPLINE", "CARDINAL", "CONSTANT"}),
+           enum_param("color_mode", {"RGB", "HSV", "HSL"}),
+           enum_param("hue_interpolation", {"NEAR", "FAR", "CW", "CCW"})}),
       color_kind("ShaderNodeRGBCurve", lower_rgb_curve,
                  {float_input("Fac", 1.0f), color_input("Color", 1.0f)}, {color_output("Color")},
                  curve_params()),
@@ -231,20 +229,18 @@ std::vector<NodeKind> color_node_kinds() {
                  {float_input("Fac", 1.0f), vector_input("Vector")}, {vector_output("Vector")},
                  curve_params()),
       color_kind("ShaderNodeFloatCurve", lower_float_curve,
-                 {float_input("Factor", 1.0f), float_input("Value", 1.0f)},
-                 {float_output("Value")}, curve_params()),
+                 {float_input("Factor", 1.0f), float_input("Value", 1.0f)}, {float_output("Value")},
+                 curve_params()),
       color_kind("ShaderNodeGamma", lower_gamma,
-                 {color_input("Color", 1.0f), float_input("Gamma", 1.0f)},
-                 {color_output("Color")}),
+                 {color_input("Color", 1.0f), float_input("Gamma", 1.0f)}, {color_output("Color")}),
       color_kind("ShaderNodeHueSaturation", lower_hue_saturation,
                  {float_input("Hue", 0.5f), float_input("Saturation", 1.0f),
-                  float_input("Value", 1.0f), float_input("Fac", 1.0f),
-                  color_input("Color", 0.8f)},
+                  float_input("Value", 1.0f), float_input("Fac", 1.0f), color_input("Color", 0.8f)},
                  {color_output("Color")}),
-      color_kind("ShaderNodeBrightContrast", lower_bright_contrast,
-                 {color_input("Color", 1.0f), float_input("Bright", 0.0f),
-                  float_input("Contrast", 0.0f)},
-                 {color_output("Color")}),
+      color_kind(
+          "ShaderNodeBrightContrast", lower_bright_contrast,
+          {color_input("Color", 1.0f), float_input("Bright", 0.0f), float_input("Contrast", 0.0f)},
+          {color_output("Color")}),
       color_kind("ShaderNodeInvert", lower_invert,
                  {float_input("Fac", 1.0f), color_input("Color", 0.0f)}, {color_output("Color")}),
       color_kind("ShaderNodeRGBToBW", lower_rgb_to_bw, {color_input("Color", 0.5f)},

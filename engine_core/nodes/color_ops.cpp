@@ -74,13 +74,10 @@ Color hsl_to_rgb(Vec3f hsl) {
 
 float overlay(float t, float a, float b) {
   const float rest = 1.0f - t;
-  return a < 0.5f ? a * (rest + 2.0f * t * b)
-                  : 1.0f - (rest + 2.0f * t * (1.0f - b)) * (1.0f - a);
+  return a < 0.5f ? a * (rest + 2.0f * t * b) : 1.0f - (rest + 2.0f * t * (1.0f - b)) * (1.0f - a);
 }
 
-float divide(float t, float a, float b) {
-  return b != 0.0f ? (1.0f - t) * a + t * a / b : a;
-}
+float divide(float t, float a, float b) { return b != 0.0f ? (1.0f - t) * a + t * a / b : a; }
 
 float dodge(float t, float a, float b) {
   if (a == 0.0f) {
@@ -137,46 +134,70 @@ Color blend(BlendMode mode, float t, Color a, Color b) {
   const Color one = splat(1.0f);
   const float rest = 1.0f - t;
   switch (mode) {
-    case BlendMode::kMix: return lerp(a, b, t);
-    case BlendMode::kDarken: return interpolate(a, min(a, b), t);
-    case BlendMode::kMultiply: return a * (splat(rest) + b * t);
-    case BlendMode::kBurn: return map(burn, t, a, b);
-    case BlendMode::kLighten: return interpolate(a, max(a, b), t);
-    case BlendMode::kScreen: return one - (splat(rest) + (one - b) * t) * (one - a);
-    case BlendMode::kDodge: return map(dodge, t, a, b);
-    case BlendMode::kAdd: return a + b * t;
-    case BlendMode::kOverlay: return map(overlay, t, a, b);
+    case BlendMode::kMix:
+      return lerp(a, b, t);
+    case BlendMode::kDarken:
+      return interpolate(a, min(a, b), t);
+    case BlendMode::kMultiply:
+      return a * (splat(rest) + b * t);
+    case BlendMode::kBurn:
+      return map(burn, t, a, b);
+    case BlendMode::kLighten:
+      return interpolate(a, max(a, b), t);
+    case BlendMode::kScreen:
+      return one - (splat(rest) + (one - b) * t) * (one - a);
+    case BlendMode::kDodge:
+      return map(dodge, t, a, b);
+    case BlendMode::kAdd:
+      return a + b * t;
+    case BlendMode::kOverlay:
+      return map(overlay, t, a, b);
     case BlendMode::kSoftLight: {
       const Color screen = one - (one - b) * (one - a);
       return a * rest + ((one - a) * b * a + a * screen) * t;
     }
-    case BlendMode::kLinearLight: return a + (b * 2.0f - one) * t;
-    case BlendMode::kDifference: return interpolate(a, abs(a - b), t);
-    case BlendMode::kExclusion: return max(interpolate(a, a + b - a * b * 2.0f, t), Color{});
-    case BlendMode::kSubtract: return a - b * t;
-    case BlendMode::kDivide: return map(divide, t, a, b);
-    case BlendMode::kHue: return blend_hue(t, a, b, false);
-    case BlendMode::kSaturation: return blend_saturation(t, a, b);
-    case BlendMode::kColor: return blend_hue(t, a, b, true);
-    case BlendMode::kValue: return blend_value(t, a, b);
+    case BlendMode::kLinearLight:
+      return a + (b * 2.0f - one) * t;
+    case BlendMode::kDifference:
+      return interpolate(a, abs(a - b), t);
+    case BlendMode::kExclusion:
+      return max(interpolate(a, a + b - a * b * 2.0f, t), Color{});
+    case BlendMode::kSubtract:
+      return a - b * t;
+    case BlendMode::kDivide:
+      return map(divide, t, a, b);
+    case BlendMode::kHue:
+      return blend_hue(t, a, b, false);
+    case BlendMode::kSaturation:
+      return blend_saturation(t, a, b);
+    case BlendMode::kColor:
+      return blend_hue(t, a, b, true);
+    case BlendMode::kValue:
+      return blend_value(t, a, b);
   }
   return {};
 }
 
 Color to_rgb(ColorModel model, Vec3f value) {
   switch (model) {
-    case ColorModel::kRgb: return value;
-    case ColorModel::kHsv: return hsv_to_rgb(value);
-    case ColorModel::kHsl: return hsl_to_rgb(value);
+    case ColorModel::kRgb:
+      return value;
+    case ColorModel::kHsv:
+      return hsv_to_rgb(value);
+    case ColorModel::kHsl:
+      return hsl_to_rgb(value);
   }
   return {};
 }
 
 Vec3f from_rgb(ColorModel model, Color rgb) {
   switch (model) {
-    case ColorModel::kRgb: return rgb;
-    case ColorModel::kHsv: return rgb_to_hsv(rgb);
-    case ColorModel::kHsl: return rgb_to_hsl(rgb);
+    case ColorModel::kRgb:
+      return rgb;
+    case ColorModel::kHsv:
+      return rgb_to_hsv(rgb);
+    case ColorModel::kHsl:
+      return rgb_to_hsl(rgb);
   }
   return {};
 }
@@ -215,25 +236,32 @@ Color blackbody(float kelvin) {
     std::array<float, 4> blue;
   };
   static constexpr std::array<Fit, 7> kFits{{
-      {6365.0f, {3.78717450e+03f, 9.35907826e-06f, 3.99075871e-01f},
+      {6365.0f,
+       {3.78717450e+03f, 9.35907826e-06f, 3.99075871e-01f},
        {-5.00799571e+02f, -4.59832026e-06f, 1.09098763e+00f},
        {6.72650283e-13f, -2.73078809e-08f, 4.24098264e-04f, -7.52335691e-01f}},
-      {3315.0f, {4.59509185e+03f, 2.87495649e-05f, 1.50345020e-01f},
+      {3315.0f,
+       {4.59509185e+03f, 2.87495649e-05f, 1.50345020e-01f},
        {-1.17554822e+03f, -2.16378048e-05f, 1.30408023e+00f},
        {-1.61997957e-13f, -1.64216008e-08f, 3.86216271e-04f, -7.38077418e-01f}},
-      {1902.0f, {4.67028036e+03f, 2.91258199e-05f, 1.26703442e-01f},
+      {1902.0f,
+       {4.67028036e+03f, 2.91258199e-05f, 1.26703442e-01f},
        {-1.42529332e+03f, -4.01150431e-05f, 1.43972784e+00f},
        {-1.97075738e-11f, 1.75359352e-07f, -2.50542825e-04f, -2.22783266e-02f}},
-      {1449.0f, {4.09461742e+03f, -1.27446582e-04f, 7.25731635e-01f},
+      {1449.0f,
+       {4.09461742e+03f, -1.27446582e-04f, 7.25731635e-01f},
        {-1.26571316e+03f, 4.87340896e-06f, 1.27054498e+00f},
        {-3.61460868e-11f, 2.84822009e-07f, -4.93211319e-04f, 1.56723440e-01f}},
-      {1167.0f, {3.34143193e+03f, -4.86551192e-04f, 1.76486769e+00f},
+      {1167.0f,
+       {3.34143193e+03f, -4.86551192e-04f, 1.76486769e+00f},
        {-1.02363977e+03f, 1.20223470e-04f, 9.36662319e-01f},
        {-1.40949732e-11f, 1.89878968e-07f, -3.56632824e-04f, 9.10767778e-02f}},
-      {965.0f, {2.48845471e+03f, -1.11330907e-03f, 3.22621544e+00f},
+      {965.0f,
+       {2.48845471e+03f, -1.11330907e-03f, 3.22621544e+00f},
        {-7.55994277e+02f, 3.16730098e-04f, 4.78306139e-01f},
        {2.40430366e-11f, 5.55021075e-08f, -1.98503712e-04f, 2.89312858e-02f}},
-      {800.0f, {1.61919106e+03f, -2.05010916e-03f, 5.02995757e+00f},
+      {800.0f,
+       {1.61919106e+03f, -2.05010916e-03f, 5.02995757e+00f},
        {-4.88999748e+02f, 6.04330754e-04f, -7.55807526e-02f},
        {5.96945309e-11f, -4.85742887e-08f, -9.70622247e-05f, -4.07936148e-03f}},
   }};
@@ -243,11 +271,11 @@ Color blackbody(float kelvin) {
   for (const Fit& fit : kFits) {
     if (kelvin >= fit.from) {
       const float inverse = 1.0f / kelvin;
-      return max({fit.red[0] * inverse + fit.red[1] * kelvin + fit.red[2],
-                  fit.green[0] * inverse + fit.green[1] * kelvin + fit.green[2],
-                  ((fit.blue[0] * kelvin + fit.blue[1]) * kelvin + fit.blue[2]) * kelvin +
-                      fit.blue[3]},
-                 Color{});
+      return max(
+          {fit.red[0] * inverse + fit.red[1] * kelvin + fit.red[2],
+           fit.green[0] * inverse + fit.green[1] * kelvin + fit.green[2],
+           ((fit.blue[0] * kelvin + fit.blue[1]) * kelvin + fit.blue[2]) * kelvin + fit.blue[3]},
+          Color{});
     }
   }
   return {5.4132944902f, 0.0f, 0.0f};

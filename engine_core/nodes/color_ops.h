@@ -11,8 +11,25 @@ namespace vernier {
 
 // In the order of the node's enum items.
 enum class BlendMode : uint8_t {
-  kMix, kDarken, kMultiply, kBurn, kLighten, kScreen, kDodge, kAdd, kOverlay, kSoftLight,
-  kLinearLight, kDifference, kExclusion, kSubtract, kDivide, kHue, kSaturation, kColor, kValue,
+  kMix,
+  kDarken,
+  kMultiply,
+  kBurn,
+  kLighten,
+  kScreen,
+  kDodge,
+  kAdd,
+  kOverlay,
+  kSoftLight,
+  kLinearLight,
+  kDifference,
+  kExclusion,
+  kSubtract,
+  kDivide,
+  kHue,
+  kSaturation,
+  kColor,
+  kValue,
 };
 Color blend(BlendMode mode, float factor, Color a, Color b);
 

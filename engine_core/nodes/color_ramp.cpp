@@ -40,8 +40,12 @@ float blend_hue(HueInterpolation kind, float a, float b, float t) {
       raise_a = difference >= 0.0f && difference < 0.5f;
       raise_b = difference < 0.0f && difference > -0.5f;
       break;
-    case HueInterpolation::kCounterclockwise: raise_b = a > b; break;
-    case HueInterpolation::kClockwise: raise_a = a < b; break;
+    case HueInterpolation::kCounterclockwise:
+      raise_b = a > b;
+      break;
+    case HueInterpolation::kClockwise:
+      raise_a = a < b;
+      break;
   }
   const float hue = lerp(raise_a ? a + 1.0f : a, raise_b ? b + 1.0f : b, t);
   return hue < 1.0f ? hue : hue - 1.0f;
@@ -54,8 +58,8 @@ Vec4f blend_colors(const RampStyle& style, Vec4f a, Vec4f b, float t) {
   }
   const ColorModel model = style.mode == RampMode::kHsv ? ColorModel::kHsv : ColorModel::kHsl;
   const Vec3f x = from_rgb(model, a.xyz()), y = from_rgb(model, b.xyz());
-  const Color rgb = to_rgb(model, {blend_hue(style.hue, x.x, y.x, t), lerp(x.y, y.y, t),
-                                   lerp(x.z, y.z, t)});
+  const Color rgb =
+      to_rgb(model, {blend_hue(style.hue, x.x, y.x, t), lerp(x.y, y.y, t), lerp(x.z, y.z, t)});
   return {rgb.x, rgb.y, rgb.z, lerp(a.w, b.w, t)};
 }
 
@@ -63,8 +67,8 @@ Vec4f evaluate(const std::vector<Stop>& stops, const RampStyle& style, float x) 
   // Only colours in RGB have splines.
   const RampInterpolation interpolation =
       style.mode == RampMode::kRgb ? style.interpolation : RampInterpolation::kLinear;
-  const bool spline = interpolation == RampInterpolation::kBSpline ||
-                      interpolation == RampInterpolation::kCardinal;
+  const bool spline =
+      interpolation == RampInterpolation::kBSpline || interpolation == RampInterpolation::kCardinal;
   const auto after = std::upper_bound(stops.begin(), stops.end(), x,
                                       [](float v, const Stop& s) { return v < s.position; });
   if (stops.size() == 1 || (!spline && (after == stops.begin() || x <= stops[0].position))) {
@@ -87,8 +91,8 @@ Vec4f evaluate(const std::vector<Stop>& stops, const RampStyle& style, float x) 
     const Stop& far_right = a + 1 >= stops.size() ? right : stops[a + 1];
     const Stop& far_left = a < 2 ? left : stops[a - 2];
     const std::array<float, 4> w = spline_weights(interpolation, saturate(t));
-    const Vec4f c = far_right.color * w[0] + right.color * w[1] + left.color * w[2] +
-                    far_left.color * w[3];
+    const Vec4f c =
+        far_right.color * w[0] + right.color * w[1] + left.color * w[2] + far_left.color * w[3];
     return {saturate(c.x), saturate(c.y), saturate(c.z), saturate(c.w)};
   }
   if (interpolation == RampInterpolation::kEase) {

@@ -101,18 +101,27 @@ uint8_t Compiler::lobes(const PendingClosure& c) const {
     case ClosureKind::kDiffuse:
     case ClosureKind::kSheen:
     case ClosureKind::kVelvet:
-    case ClosureKind::kSubsurface: return kLobeDiffuse | kLobeReflection;
+    case ClosureKind::kSubsurface:
+      return kLobeDiffuse | kLobeReflection;
     case ClosureKind::kToon:
       return static_cast<uint8_t>(c.code.option ? kLobeGlossy | kLobeReflection
-                                                 : kLobeDiffuse | kLobeReflection);
-    case ClosureKind::kTranslucent: return kLobeDiffuse | kLobeTransmission;
-    case ClosureKind::kTransparent: return kLobeTransparent | kLobeSingular | kLobeTransmission;
-    case ClosureKind::kGlossy: bits = glossy(c, glossy::kRoughness) | kLobeReflection; break;
-    case ClosureKind::kMetallic: bits = glossy(c, metallic::kRoughness) | kLobeReflection; break;
+                                                : kLobeDiffuse | kLobeReflection);
+    case ClosureKind::kTranslucent:
+      return kLobeDiffuse | kLobeTransmission;
+    case ClosureKind::kTransparent:
+      return kLobeTransparent | kLobeSingular | kLobeTransmission;
+    case ClosureKind::kGlossy:
+      bits = glossy(c, glossy::kRoughness) | kLobeReflection;
+      break;
+    case ClosureKind::kMetallic:
+      bits = glossy(c, metallic::kRoughness) | kLobeReflection;
+      break;
     case ClosureKind::kGlass:
       bits = glossy(c, glass::kRoughness) | kLobeReflection | kLobeTransmission;
       break;
-    case ClosureKind::kRefraction: bits = glossy(c, glass::kRoughness) | kLobeTransmission; break;
+    case ClosureKind::kRefraction:
+      bits = glossy(c, glass::kRoughness) | kLobeTransmission;
+      break;
     case ClosureKind::kPrincipled: {
       const auto full = [&](size_t parameter) {
         return is_constant(c, parameter) && scalar(c, parameter) >= 1.0f;
@@ -139,7 +148,8 @@ uint8_t Compiler::lobes(const PendingClosure& c) const {
       break;
     }
     case ClosureKind::kEmission:
-    case ClosureKind::kHoldout: break;
+    case ClosureKind::kHoldout:
+      break;
   }
   return static_cast<uint8_t>(bits);
 }
@@ -166,9 +176,8 @@ Color average_emission(const ProgramPart& part, const ProgramData& data) {
                             instruction.op == Op::kEnvironment;
       const Arguments arguments(registers.data(), part.program.constants.data(),
                                 part.program.operands.data() + instruction.operands);
-      registers[instruction.result] =
-          is_image ? image_averages[instruction.data]
-                   : execute(instruction, arguments, data, point, 0.0f);
+      registers[instruction.result] = is_image ? image_averages[instruction.data]
+                                               : execute(instruction, arguments, data, point, 0.0f);
     }
     const ProgramResult values{registers.data(), part.program.constants.data()};
     Color emitted;
@@ -225,8 +234,7 @@ std::unique_ptr<Material> compile_material(const GraphDesc& desc, std::string_vi
     }
   }
   traits.attributes = attributes_read(code->surface.program);
-  traits.emission_constant =
-      code->emission.program.code.empty() && !traits.emission_view_dependent;
+  traits.emission_constant = code->emission.program.code.empty() && !traits.emission_view_dependent;
   code->data = builder.take_data();
   if (traits.is_emissive) {
     traits.average_emission = average_emission(code->emission, code->data);

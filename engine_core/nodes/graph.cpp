@@ -116,9 +116,8 @@ void Graph::sort(std::string_view material) {
         continue;
       }
       if (marks[static_cast<size_t>(source)] == Mark::kOpen) {
-        throw std::invalid_argument(
-            describe(material, desc_.nodes[static_cast<size_t>(source)]) +
-            ": its links form a cycle");
+        throw std::invalid_argument(describe(material, desc_.nodes[static_cast<size_t>(source)]) +
+                                    ": its links form a cycle");
       }
       marks[static_cast<size_t>(source)] = Mark::kOpen;
       stack.push_back({static_cast<uint32_t>(source), 0});
@@ -128,8 +127,9 @@ void Graph::sort(std::string_view material) {
     GraphNode& node = nodes_[n];
     node.contains_bump = node.desc->kind == kBump;
     for (const NodeInput& input : node.desc->inputs) {
-      node.contains_bump = node.contains_bump ||
-                           (input.node >= 0 && nodes_[static_cast<size_t>(input.node)].contains_bump);
+      node.contains_bump =
+          node.contains_bump ||
+          (input.node >= 0 && nodes_[static_cast<size_t>(input.node)].contains_bump);
     }
   }
 }
@@ -155,7 +155,8 @@ uint8_t Graph::source_points(const GraphNode& node, size_t input, uint8_t points
   return name == "Normal" ? points : static_cast<uint8_t>(points & kPointMain);
 }
 
-// From the surface backward: what is needed, where, and which outputs. Then order() keeps only that.
+// From the surface backward: what is needed, where, and which outputs. Then order() keeps only
+// that.
 void Graph::propagate_needs() {
   if (surface_ >= 0) {
     GraphNode& root = nodes_[static_cast<size_t>(surface_)];

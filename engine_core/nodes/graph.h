@@ -23,10 +23,10 @@ inline constexpr int kPointCount = 4;
 struct GraphNode {
   const NodeKind* kind = nullptr;  // null: unknown
   const NodeDesc* desc = nullptr;
-  std::vector<int> inputs;         // of each of the kind's inputs, its index in desc->inputs or -1
-  uint8_t points = 0;              // PointBits where the node is needed; 0: dead
-  uint64_t outputs = 0;            // bits of the kind's outputs that are read
-  bool contains_bump = false;      // it is a Bump node, or depends on one
+  std::vector<int> inputs;     // of each of the kind's inputs, its index in desc->inputs or -1
+  uint8_t points = 0;          // PointBits where the node is needed; 0: dead
+  uint64_t outputs = 0;        // bits of the kind's outputs that are read
+  bool contains_bump = false;  // it is a Bump node, or depends on one
 };
 
 class Graph {

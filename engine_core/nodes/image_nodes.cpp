@@ -9,11 +9,14 @@ enum class InterpolationItem { kLinear, kClosest, kCubic, kSmart };
 
 Interpolation interpolation_of(NodeLowering& node) {
   switch (node.param_enum<InterpolationItem>("interpolation")) {
-    case InterpolationItem::kLinear: return Interpolation::kLinear;
-    case InterpolationItem::kClosest: return Interpolation::kClosest;
+    case InterpolationItem::kLinear:
+      return Interpolation::kLinear;
+    case InterpolationItem::kClosest:
+      return Interpolation::kClosest;
     // Smart is cubic in Cycles too.
     case InterpolationItem::kCubic:
-    case InterpolationItem::kSmart: break;
+    case InterpolationItem::kSmart:
+      break;
   }
   return Interpolation::kCubic;
 }
@@ -61,8 +64,7 @@ void lower_image(NodeLowering& node) {
 void lower_environment(NodeLowering& node) {
   ImageUse use;
   use.interpolation = interpolation_of(node);
-  use.projection =
-      static_cast<uint8_t>(node.param_enum<EnvironmentProjection>("projection"));
+  use.projection = static_cast<uint8_t>(node.param_enum<EnvironmentProjection>("projection"));
   const uint32_t data = node.builder().add_image(image_of(node));
   set_outputs(node, node.emit(Op::kEnvironment, use.pack(), SocketType::kColor,
                               {node.input("Vector")}, data));
@@ -73,22 +75,26 @@ void lower_environment(NodeLowering& node) {
 // `image` is an index into the description's images.
 std::vector<NodeKind> image_node_kinds() {
   std::vector<NodeKind> kinds;
-  kinds.push_back({"ShaderNodeTexImage", NodeRole::kValue, lower_image,
-                   {vector_input("Vector", SocketSource::kUv)},
-                   {color_output("Color"), float_output("Alpha")},
-                   {image_param("image"), enum_param("projection", {"FLAT", "BOX", "SPHERE",
-                                                                    "TUBE"}),
-                    float_param("projection_blend", 0.0),
-                    enum_param("interpolation", {"Linear", "Closest", "Cubic", "Smart"}),
-                    enum_param("extension", {"REPEAT", "EXTEND", "CLIP", "MIRROR"})},
-                   {}});
-  kinds.push_back({"ShaderNodeTexEnvironment", NodeRole::kValue, lower_environment,
-                   {vector_input("Vector", SocketSource::kPosition)},
-                   {color_output("Color")},
-                   {image_param("image"),
-                    enum_param("projection", {"EQUIRECTANGULAR", "MIRROR_BALL"}),
-                    enum_param("interpolation", {"Linear", "Closest", "Cubic", "Smart"})},
-                   {}});
+  kinds.push_back(
+      {"ShaderNodeTexImage",
+       NodeRole::kValue,
+       lower_image,
+       {vector_input("Vector", SocketSource::kUv)},
+       {color_output("Color"), float_output("Alpha")},
+       {image_param("image"), enum_param("projection", {"FLAT", "BOX", "SPHERE", "TUBE"}),
+        float_param("projection_blend", 0.0),
+        enum_param("interpolation", {"Linear", "Closest", "Cubic", "Smart"}),
+        enum_param("extension", {"REPEAT", "EXTEND", "CLIP", "MIRROR"})},
+       {}});
+  kinds.push_back(
+      {"ShaderNodeTexEnvironment",
+       NodeRole::kValue,
+       lower_environment,
+       {vector_input("Vector", SocketSource::kPosition)},
+       {color_output("Color")},
+       {image_param("image"), enum_param("projection", {"EQUIRECTANGULAR", "MIRROR_BALL"}),
+        enum_param("interpolation", {"Linear", "Closest", "Cubic", "Smart"})},
+       {}});
   return kinds;
 }
 

@@ -89,9 +89,12 @@ ImageUse ImageUse::unpack(uint8_t bits) {
 
 Vec4f image_texture(const ImageTexture* image, const ImageUse& use, Vec3f p) {
   switch (static_cast<ImageProjection>(use.projection)) {
-    case ImageProjection::kFlat: return sample(image, use, {p.x, p.y});
-    case ImageProjection::kSphere: return sample(image, use, to_sphere(p * 2.0f - splat(1.0f)));
-    case ImageProjection::kTube: return sample(image, use, to_tube(p * 2.0f - splat(1.0f)));
+    case ImageProjection::kFlat:
+      return sample(image, use, {p.x, p.y});
+    case ImageProjection::kSphere:
+      return sample(image, use, to_sphere(p * 2.0f - splat(1.0f)));
+    case ImageProjection::kTube:
+      return sample(image, use, to_tube(p * 2.0f - splat(1.0f)));
   }
   return {};
 }

@@ -93,9 +93,10 @@ void lower_geometry(NodeLowering& node) {
 }
 
 constexpr std::string_view kLightPathOutputs[] = {
-    "Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Singular Ray",
-    "Is Reflection Ray", "Is Transmission Ray", "Is Volume Scatter Ray", "Ray Length", "Ray Depth",
-    "Diffuse Depth", "Glossy Depth", "Transparent Depth", "Transmission Depth", "Portal Depth"};
+    "Is Camera Ray",     "Is Shadow Ray",      "Is Diffuse Ray",      "Is Glossy Ray",
+    "Is Singular Ray",   "Is Reflection Ray",  "Is Transmission Ray", "Is Volume Scatter Ray",
+    "Ray Length",        "Ray Depth",          "Diffuse Depth",       "Glossy Depth",
+    "Transparent Depth", "Transmission Depth", "Portal Depth"};
 
 void lower_light_path(NodeLowering& node) {
   uint8_t value = 0;
@@ -120,8 +121,7 @@ void lower_camera_data(NodeLowering& node) {
 }
 
 void lower_fresnel(NodeLowering& node) {
-  node.set("Fac",
-           node.emit(Op::kFresnel, 0, kFloat, {node.input("IOR"), node.input("Normal")}));
+  node.set("Fac", node.emit(Op::kFresnel, 0, kFloat, {node.input("IOR"), node.input("Normal")}));
 }
 
 void lower_layer_weight(NodeLowering& node) {
@@ -179,8 +179,7 @@ std::vector<NodeKind> input_node_kinds() {
                  {color_output("Color"), vector_output("Vector"), float_output("Fac"),
                   float_output("Alpha")},
                  {string_param("attribute_name"),
-                  enum_param("attribute_type", {"GEOMETRY", "OBJECT", "INSTANCER",
-                                                "VIEW_LAYER"})}),
+                  enum_param("attribute_type", {"GEOMETRY", "OBJECT", "INSTANCER", "VIEW_LAYER"})}),
       input_kind("ShaderNodeVertexColor", lower_color_attribute,
                  {color_output("Color"), float_output("Alpha")}, {string_param("layer_name")}),
       input_kind("ShaderNodeNewGeometry", lower_geometry,
@@ -189,10 +188,10 @@ std::vector<NodeKind> input_node_kinds() {
                   vector_output("Parametric"), float_output("Backfacing"),
                   float_output("Pointiness"), float_output("Random Per Island")}),
       input_kind("ShaderNodeLightPath", lower_light_path, light_path_outputs()),
-      input_kind("ShaderNodeObjectInfo", lower_object_info,
-                 {vector_output("Location"), color_output("Color"), float_output("Alpha"),
-                  float_output("Object Index"), float_output("Material Index"),
-                  float_output("Random")}),
+      input_kind(
+          "ShaderNodeObjectInfo", lower_object_info,
+          {vector_output("Location"), color_output("Color"), float_output("Alpha"),
+           float_output("Object Index"), float_output("Material Index"), float_output("Random")}),
       input_kind("ShaderNodeCameraData", lower_camera_data,
                  {vector_output("View Vector"), float_output("View Z Depth"),
                   float_output("View Distance")}),

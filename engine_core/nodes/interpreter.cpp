@@ -66,7 +66,8 @@ OpTraits op_traits(Op op, uint8_t variant) {
     case Op::kLightPath:
     case Op::kFresnel:
     case Op::kLayerWeight:
-    case Op::kLightFalloff: return {true, true};
+    case Op::kLightFalloff:
+      return {true, true};
     case Op::kAttribute:
     case Op::kObjectInfo:
     case Op::kCamera:
@@ -74,8 +75,10 @@ OpTraits op_traits(Op op, uint8_t variant) {
     case Op::kNormalMap:
     case Op::kBump:
     case Op::kTangent:
-    case Op::kVectorTransform: return {true, false};
-    default: return {};
+    case Op::kVectorTransform:
+      return {true, false};
+    default:
+      return {};
   }
 }
 
@@ -84,11 +87,16 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
   const auto image = [&] { return data.images[in.data]; };
   const auto floats = [&] { return data.floats.data() + in.data; };
   switch (in.op) {
-    case Op::kSplat: return to_register(a.scalar(0));
-    case Op::kLuminance: return to_register(socket_luminance(a.vector(0)));
-    case Op::kAverage: return to_register(average(a.vector(0)));
-    case Op::kExtract: return to_register(in.variant == 3 ? a[0].w : a.vector(0)[in.variant]);
-    case Op::kCombine: return to_register(Vec3f{a.scalar(0), a.scalar(1), a.scalar(2)});
+    case Op::kSplat:
+      return to_register(a.scalar(0));
+    case Op::kLuminance:
+      return to_register(socket_luminance(a.vector(0)));
+    case Op::kAverage:
+      return to_register(average(a.vector(0)));
+    case Op::kExtract:
+      return to_register(in.variant == 3 ? a[0].w : a.vector(0)[in.variant]);
+    case Op::kCombine:
+      return to_register(Vec3f{a.scalar(0), a.scalar(1), a.scalar(2)});
     case Op::kMath:
       return to_register(evaluate_math(static_cast<MathOp>(in.variant), a.scalar(0), a.scalar(1),
                                        in.operand_count > 2 ? a.scalar(2) : 0.0f));
@@ -102,14 +110,15 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
       return to_register(evaluate_clamp(static_cast<ClampKind>(in.variant), a.scalar(0),
                                         a.scalar(1), a.scalar(2)));
     case Op::kMapRange:
-      return to_register(evaluate_map_range(
-          static_cast<MapRangeKind>(in.variant), a.scalar(0),
-          {a.scalar(1), a.scalar(2), a.scalar(3), a.scalar(4), a.scalar(5)}));
+      return to_register(
+          evaluate_map_range(static_cast<MapRangeKind>(in.variant), a.scalar(0),
+                             {a.scalar(1), a.scalar(2), a.scalar(3), a.scalar(4), a.scalar(5)}));
     case Op::kMapRangeVector:
       return execute_map_range_vector(static_cast<MapRangeKind>(in.variant), a);
     case Op::kClampBetween:
       return to_register(clamp_between(a.vector(0), a.vector(1), a.vector(2)));
-    case Op::kMixFloat: return to_register(lerp(a.scalar(1), a.scalar(2), a.scalar(0)));
+    case Op::kMixFloat:
+      return to_register(lerp(a.scalar(1), a.scalar(2), a.scalar(0)));
     case Op::kMixVector: {
       const Vec3f t = a.vector(0);
       return to_register(a.vector(1) * (splat(1.0f) - t) + a.vector(2) * t);
@@ -117,7 +126,8 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
     case Op::kBlend:
       return to_register(
           blend(static_cast<BlendMode>(in.variant), a.scalar(0), a.vector(1), a.vector(2)));
-    case Op::kSaturate: return to_register(min(max(a.vector(0), Vec3f{}), splat(1.0f)));
+    case Op::kSaturate:
+      return to_register(min(max(a.vector(0), Vec3f{}), splat(1.0f)));
     case Op::kVectorRotate:
       return to_register(rotate_vector(static_cast<RotationKind>(in.variant), a.vector(0),
                                        a.vector(1), a.vector(2), a.scalar(3)));
@@ -129,62 +139,79 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
                                            static_cast<VectorSpace>(in.variant >> 2 & 3u),
                                            static_cast<VectorSpace>(in.variant >> 4 & 3u),
                                            a.vector(0), point));
-    case Op::kNormalDot: return to_register(dot(normalize(a.vector(0)), normalize(a.vector(1))));
-    case Op::kGamma: return to_register(apply_gamma(a.vector(0), a.scalar(1)));
+    case Op::kNormalDot:
+      return to_register(dot(normalize(a.vector(0)), normalize(a.vector(1))));
+    case Op::kGamma:
+      return to_register(apply_gamma(a.vector(0), a.scalar(1)));
     case Op::kHueSaturation:
       return to_register(
           adjust_hsv(a.vector(0), a.scalar(1), a.scalar(2), a.scalar(3), a.scalar(4)));
     case Op::kBrightContrast:
       return to_register(adjust_brightness_contrast(a.vector(0), a.scalar(1), a.scalar(2)));
-    case Op::kInvert: return to_register(invert(a.vector(1), a.scalar(0)));
+    case Op::kInvert:
+      return to_register(invert(a.vector(1), a.scalar(0)));
     case Op::kCombineColor:
-      return to_register(to_rgb(static_cast<ColorModel>(in.variant),
-                                {a.scalar(0), a.scalar(1), a.scalar(2)}));
+      return to_register(
+          to_rgb(static_cast<ColorModel>(in.variant), {a.scalar(0), a.scalar(1), a.scalar(2)}));
     case Op::kSeparateColor:
       return to_register(from_rgb(static_cast<ColorModel>(in.variant), a.vector(0)));
-    case Op::kBlackbody: return to_register(blackbody(a.scalar(0)));
+    case Op::kBlackbody:
+      return to_register(blackbody(a.scalar(0)));
     case Op::kRamp: {
       const TableHeader header(floats());
       return lookup_table(header.rows, a.scalar(0), in.variant != 0, false);
     }
-    case Op::kCurves: return execute_curves(floats(), a.vector(1), a.scalar(0));
-    case Op::kImage: return image_texture(image(), ImageUse::unpack(in.variant), a.vector(0));
+    case Op::kCurves:
+      return execute_curves(floats(), a.vector(1), a.scalar(0));
+    case Op::kImage:
+      return image_texture(image(), ImageUse::unpack(in.variant), a.vector(0));
     case Op::kImageBox:
       return box_texture(image(), ImageUse::unpack(in.variant), a.vector(0), a.scalar(1), point);
     case Op::kEnvironment:
       return environment_texture(image(), ImageUse::unpack(in.variant), a.vector(0));
-    case Op::kNoise: return execute_noise(in.variant, a);
-    case Op::kChecker: return execute_checker(a);
-    case Op::kGradient: return execute_gradient(in.variant, a);
-    case Op::kBrick: return execute_brick(in.variant, a, floats());
-    case Op::kWave: return execute_wave(in.variant, a);
-    case Op::kMagic: return execute_magic(in.variant, a);
-    case Op::kVoronoi: return execute_voronoi(in.variant, a, floats());
-    case Op::kWhiteNoise: return execute_white_noise(in.variant, a);
+    case Op::kNoise:
+      return execute_noise(in.variant, a);
+    case Op::kChecker:
+      return execute_checker(a);
+    case Op::kGradient:
+      return execute_gradient(in.variant, a);
+    case Op::kBrick:
+      return execute_brick(in.variant, a, floats());
+    case Op::kWave:
+      return execute_wave(in.variant, a);
+    case Op::kMagic:
+      return execute_magic(in.variant, a);
+    case Op::kVoronoi:
+      return execute_voronoi(in.variant, a, floats());
+    case Op::kWhiteNoise:
+      return execute_white_noise(in.variant, a);
     case Op::kGeometry:
       return to_register(geometry_value(static_cast<GeometryValue>(in.variant), point));
     case Op::kAttribute:
       return attribute_value(static_cast<AttributeUse>(in.variant), point, in.data);
-    case Op::kObjectMatrix: return execute_object_matrix(floats(), a.vector(0));
+    case Op::kObjectMatrix:
+      return execute_object_matrix(floats(), a.vector(0));
     case Op::kObjectInfo:
       return to_register(object_value(static_cast<ObjectValue>(in.variant), point));
     case Op::kLightPath:
       return to_register(light_path_value(static_cast<LightPathValue>(in.variant), point));
-    case Op::kCamera: return to_register(camera_value(static_cast<CameraValue>(in.variant), point));
-    case Op::kFresnel: return to_register(fresnel_node(point, a.scalar(0), a.vector(1)));
+    case Op::kCamera:
+      return to_register(camera_value(static_cast<CameraValue>(in.variant), point));
+    case Op::kFresnel:
+      return to_register(fresnel_node(point, a.scalar(0), a.vector(1)));
     case Op::kLayerWeight:
-      return to_register(layer_weight(static_cast<LayerWeightKind>(in.variant), point, a.scalar(0),
-                                      a.vector(1)));
+      return to_register(
+          layer_weight(static_cast<LayerWeightKind>(in.variant), point, a.scalar(0), a.vector(1)));
     case Op::kNormalMap:
       return to_register(normal_map(static_cast<NormalSpace>(in.variant), point, a.vector(1),
                                     a.scalar(0), in.data));
     case Op::kBump:
-      return to_register(bump_normal(point, a.vector(5),
-                                     {a.scalar(2), a.scalar(3), a.scalar(4)}, a.scalar(0),
-                                     a.scalar(1), step));
+      return to_register(bump_normal(point, a.vector(5), {a.scalar(2), a.scalar(3), a.scalar(4)},
+                                     a.scalar(0), a.scalar(1), step));
     case Op::kTangent:
-      return to_register(in.variant < 3 ? radial_tangent(static_cast<TangentAxis>(in.variant), point)
-                                        : uv_tangent(point, in.data));
+      return to_register(in.variant < 3
+                             ? radial_tangent(static_cast<TangentAxis>(in.variant), point)
+                             : uv_tangent(point, in.data));
     case Op::kLightFalloff:
       return to_register(light_falloff(in.variant, point, a.scalar(0), a.scalar(1)));
   }
@@ -203,8 +230,7 @@ void run(const Program& program, const ProgramData& data, const SurfacePoint& po
   const SurfacePoint* const points[] = {&point, &shifted_x, &shifted_y};
   const Operand* const operands = program.operands.data();
   for (const Instruction& instruction : program.code) {
-    const Arguments arguments(registers, program.constants.data(),
-                              operands + instruction.operands);
+    const Arguments arguments(registers, program.constants.data(), operands + instruction.operands);
     registers[instruction.result] = execute(instruction, arguments, data,
                                             *points[static_cast<size_t>(instruction.point)], step);
   }

@@ -128,8 +128,9 @@ void GraphLowering::lower_closures() {
 void NodeLowering::report_unknown() {
   const GraphNode& node = graph_node();
   if (node.kind == nullptr) {
-    warn("this kind of node is not supported; what reads it gets its first linked input, else "
-         "the socket's default, and as a shader it is grey diffuse");
+    warn(
+        "this kind of node is not supported; what reads it gets its first linked input, else "
+        "the socket's default, and as a shader it is grey diffuse");
     return;
   }
   if (!node.kind->fallback.empty()) {

@@ -56,16 +56,16 @@ class NodeContext {
 
 // What is known of a material before any point is shaded.
 struct MaterialTraits {
-  bool is_constant = true;         // evaluate() runs no program
-  bool is_emissive = false;        // emission() may be non-zero
-  bool emission_constant = true;   // emission() is average_emission everywhere
-  bool maybe_transparent = false;  // transparency() may be non-zero
-  bool view_dependent = false;     // a value depends on wo, ray_flags, ray_length or depth
+  bool is_constant = true;               // evaluate() runs no program
+  bool is_emissive = false;              // emission() may be non-zero
+  bool emission_constant = true;         // emission() is average_emission everywhere
+  bool maybe_transparent = false;        // transparency() may be non-zero
+  bool view_dependent = false;           // a value depends on wo, ray_flags, ray_length or depth
   bool emission_view_dependent = false;  // the same, for emission() alone
-  bool uses_bump = false;          // normals other than SurfacePoint::ns occur
-  uint8_t lobes = 0;               // union of the LobeBits that can occur
-  Color average_emission;          // radiance; exact when emission_constant, else an estimate
-  std::vector<uint32_t> attributes;  // ids that are read, each once
+  bool uses_bump = false;                // normals other than SurfacePoint::ns occur
+  uint8_t lobes = 0;                     // union of the LobeBits that can occur
+  Color average_emission;                // radiance; exact when emission_constant, else an estimate
+  std::vector<uint32_t> attributes;      // ids that are read, each once
 };
 
 class Material {
@@ -98,9 +98,9 @@ class Material {
 };
 
 // Compiles a graph. Throws std::invalid_argument naming the material, and the node, when a link's
-// index is out of range or links form a cycle. Everything else that cannot be honoured (a node kind,
-// socket, parameter or enum item that is unknown) is a warning that names the material, the node and
-// what was done instead.
+// index is out of range or links form a cycle. Everything else that cannot be honoured (a node
+// kind, socket, parameter or enum item that is unknown) is a warning that names the material, the
+// node and what was done instead.
 std::unique_ptr<Material> compile_material(const GraphDesc& graph, std::string_view name,
                                            NodeContext& context);
 

@@ -22,10 +22,10 @@ void lower_vector_math(NodeLowering& node) {
   const Value a = node.input("Vector"), b = node.input("Vector_001");
   const Value zero = node.builder().constant(0.0f);
   node.set("Value", is_scalar(op) ? node.emit(Op::kVectorMathValue, op, kFloat, {a, b}) : zero);
-  node.set("Vector", is_scalar(op) ? zero
-                                   : node.emit(Op::kVectorMath, op, kVector,
-                                               {a, b, node.input("Vector_002"),
-                                                node.input("Scale")}));
+  node.set("Vector", is_scalar(op)
+                         ? zero
+                         : node.emit(Op::kVectorMath, op, kVector,
+                                     {a, b, node.input("Vector_002"), node.input("Scale")}));
 }
 
 void lower_clamp(NodeLowering& node) {
@@ -36,8 +36,8 @@ void lower_clamp(NodeLowering& node) {
 void lower_map_range(NodeLowering& node) {
   const auto kind = node.param_enum<MapRangeKind>("interpolation_type");
   // Smooth steps do not leave the range.
-  const bool clamps = node.param_bool("clamp") &&
-                      (kind == MapRangeKind::kLinear || kind == MapRangeKind::kStepped);
+  const bool clamps =
+      node.param_bool("clamp") && (kind == MapRangeKind::kLinear || kind == MapRangeKind::kStepped);
   enum class DataType { kNumbers, kVectors };
   if (node.param_enum<DataType>("data_type") == DataType::kNumbers) {
     const Value lo = node.input("To Min"), hi = node.input("To Max");
@@ -71,39 +71,49 @@ void lower_value(NodeLowering& node) {
 std::vector<NodeKind> math_node_kinds() {
   std::vector<NodeKind> kinds;
   kinds.push_back(
-      {"ShaderNodeMath", NodeRole::kValue, lower_math,
-       {float_input("Value", 0.5f), float_input("Value_001", 0.5f),
-        float_input("Value_002", 0.5f)},
+      {"ShaderNodeMath",
+       NodeRole::kValue,
+       lower_math,
+       {float_input("Value", 0.5f), float_input("Value_001", 0.5f), float_input("Value_002", 0.5f)},
        {float_output("Value")},
-       {enum_param("operation",
-                   {"ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "MULTIPLY_ADD", "POWER", "LOGARITHM",
-                    "SQRT", "INVERSE_SQRT", "ABSOLUTE", "EXPONENT", "MINIMUM", "MAXIMUM",
-                    "LESS_THAN", "GREATER_THAN", "SIGN", "COMPARE", "SMOOTH_MIN", "SMOOTH_MAX",
-                    "ROUND", "FLOOR", "CEIL", "TRUNC", "FRACT", "MODULO", "FLOORED_MODULO",
-                    "WRAP", "SNAP", "PINGPONG", "SINE", "COSINE", "TANGENT", "ARCSINE",
-                    "ARCCOSINE", "ARCTANGENT", "ARCTAN2", "SINH", "COSH", "TANH", "RADIANS",
-                    "DEGREES"}),
+       {enum_param("operation", {"ADD",          "SUBTRACT",       "MULTIPLY",     "DIVIDE",
+                                 "MULTIPLY_ADD", "POWER",          "LOGARITHM",    "SQRT",
+                                 "INVERSE_SQRT", "ABSOLUTE",       "EXPONENT",     "MINIMUM",
+                                 "MAXIMUM",      "LESS_THAN",      "GREATER_THAN", "SIGN",
+                                 "COMPARE",      "SMOOTH_MIN",     "SMOOTH_MAX",   "ROUND",
+                                 "FLOOR",        "CEIL",           "TRUNC",        "FRACT",
+                                 "MODULO",       "FLOORED_MODULO", "WRAP",         "SNAP",
+                                 "PINGPONG",     "SINE",           "COSINE",       "TANGENT",
+                                 "ARCSINE",      "ARCCOSINE",      "ARCTANGENT",   "ARCTAN2",
+                                 "SINH",         "COSH",           "TANH",         "RADIANS",
+                                 "DEGREES"}),
         bool_param("use_clamp", false)},
        {}});
-  kinds.push_back(
-      {"ShaderNodeVectorMath", NodeRole::kValue, lower_vector_math,
-       {vector_input("Vector"), vector_input("Vector_001"), vector_input("Vector_002"),
-        float_input("Scale", 1.0f)},
-       {vector_output("Vector"), float_output("Value")},
-       {enum_param("operation",
-                   {"ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "MULTIPLY_ADD", "CROSS_PRODUCT",
-                    "PROJECT", "REFLECT", "REFRACT", "FACEFORWARD", "DOT_PRODUCT", "DISTANCE",
-                    "LENGTH", "SCALE", "NORMALIZE", "ABSOLUTE", "POWER", "SIGN", "MINIMUM",
-                    "MAXIMUM", "ROUND", "FLOOR", "CEIL", "FRACTION", "MODULO", "WRAP", "SNAP",
-                    "SINE", "COSINE", "TANGENT"})},
-       {}});
-  kinds.push_back({"ShaderNodeClamp", NodeRole::kValue, lower_clamp,
+  kinds.push_back({"ShaderNodeVectorMath",
+                   NodeRole::kValue,
+                   lower_vector_math,
+                   {vector_input("Vector"), vector_input("Vector_001"), vector_input("Vector_002"),
+                    float_input("Scale", 1.0f)},
+                   {vector_output("Vector"), float_output("Value")},
+                   {enum_param("operation",
+                               {"ADD",           "SUBTRACT", "MULTIPLY", "DIVIDE",   "MULTIPLY_ADD",
+                                "CROSS_PRODUCT", "PROJECT",  "REFLECT",  "REFRACT",  "FACEFORWARD",
+                                "DOT_PRODUCT",   "DISTANCE", "LENGTH",   "SCALE",    "NORMALIZE",
+                                "ABSOLUTE",      "POWER",    "SIGN",     "MINIMUM",  "MAXIMUM",
+                                "ROUND",         "FLOOR",    "CEIL",     "FRACTION", "MODULO",
+                                "WRAP",          "SNAP",     "SINE",     "COSINE",   "TANGENT"})},
+                   {}});
+  kinds.push_back({"ShaderNodeClamp",
+                   NodeRole::kValue,
+                   lower_clamp,
                    {float_input("Value", 1.0f), float_input("Min", 0.0f), float_input("Max", 1.0f)},
                    {float_output("Result")},
                    {enum_param("clamp_type", {"MINMAX", "RANGE"})},
                    {}});
   kinds.push_back(
-      {"ShaderNodeMapRange", NodeRole::kValue, lower_map_range,
+      {"ShaderNodeMapRange",
+       NodeRole::kValue,
+       lower_map_range,
        {float_input("Value", 1.0f), float_input("From Min", 0.0f), float_input("From Max", 1.0f),
         float_input("To Min", 0.0f), float_input("To Max", 1.0f), float_input("Steps", 4.0f),
         vector_input("Vector"), vector_input("From_Min_FLOAT3"),
@@ -114,8 +124,13 @@ std::vector<NodeKind> math_node_kinds() {
         enum_param("data_type", {"FLOAT", "FLOAT_VECTOR"}), bool_param("clamp", true)},
        {}});
   // The node's number is its output socket's default; as a parameter it is `value`.
-  kinds.push_back({"ShaderNodeValue", NodeRole::kValue, lower_value,
-                   {}, {float_output("Value")}, {float_param("value", 0.0)}, {}});
+  kinds.push_back({"ShaderNodeValue",
+                   NodeRole::kValue,
+                   lower_value,
+                   {},
+                   {float_output("Value")},
+                   {float_param("value", 0.0)},
+                   {}});
   return kinds;
 }
 

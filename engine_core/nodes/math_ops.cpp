@@ -71,49 +71,89 @@ float smoother_step(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0
 
 float evaluate_math(MathOp op, float a, float b, float c) {
   switch (op) {
-    case MathOp::kAdd: return a + b;
-    case MathOp::kSubtract: return a - b;
-    case MathOp::kMultiply: return a * b;
-    case MathOp::kDivide: return safe_divide(a, b);
-    case MathOp::kMultiplyAdd: return a * b + c;
-    case MathOp::kPower: return safe_power(a, b);
-    case MathOp::kLogarithm: return logarithm(a, b);
-    case MathOp::kSqrt: return safe_sqrt(a);
-    case MathOp::kInverseSqrt: return a > 0.0f ? 1.0f / std::sqrt(a) : 0.0f;
-    case MathOp::kAbsolute: return std::abs(a);
-    case MathOp::kExponent: return std::exp(a);
-    case MathOp::kMinimum: return std::min(a, b);
-    case MathOp::kMaximum: return std::max(a, b);
-    case MathOp::kLessThan: return a < b ? 1.0f : 0.0f;
-    case MathOp::kGreaterThan: return a > b ? 1.0f : 0.0f;
-    case MathOp::kSign: return sign(a);
+    case MathOp::kAdd:
+      return a + b;
+    case MathOp::kSubtract:
+      return a - b;
+    case MathOp::kMultiply:
+      return a * b;
+    case MathOp::kDivide:
+      return safe_divide(a, b);
+    case MathOp::kMultiplyAdd:
+      return a * b + c;
+    case MathOp::kPower:
+      return safe_power(a, b);
+    case MathOp::kLogarithm:
+      return logarithm(a, b);
+    case MathOp::kSqrt:
+      return safe_sqrt(a);
+    case MathOp::kInverseSqrt:
+      return a > 0.0f ? 1.0f / std::sqrt(a) : 0.0f;
+    case MathOp::kAbsolute:
+      return std::abs(a);
+    case MathOp::kExponent:
+      return std::exp(a);
+    case MathOp::kMinimum:
+      return std::min(a, b);
+    case MathOp::kMaximum:
+      return std::max(a, b);
+    case MathOp::kLessThan:
+      return a < b ? 1.0f : 0.0f;
+    case MathOp::kGreaterThan:
+      return a > b ? 1.0f : 0.0f;
+    case MathOp::kSign:
+      return sign(a);
     // The least tolerance is the spacing of floats at 1, as in Cycles.
     case MathOp::kCompare:
       return a == b || std::abs(a - b) <= std::max(c, 2.0f * 0x1p-24f) ? 1.0f : 0.0f;
-    case MathOp::kSmoothMin: return smooth_minimum(a, b, c);
-    case MathOp::kSmoothMax: return -smooth_minimum(-a, -b, c);
-    case MathOp::kRound: return std::floor(a + 0.5f);
-    case MathOp::kFloor: return std::floor(a);
-    case MathOp::kCeil: return std::ceil(a);
-    case MathOp::kTrunc: return std::trunc(a);
-    case MathOp::kFract: return a - std::floor(a);
-    case MathOp::kModulo: return b != 0.0f ? std::fmod(a, b) : 0.0f;
-    case MathOp::kFlooredModulo: return b != 0.0f ? a - std::floor(a / b) * b : 0.0f;
-    case MathOp::kWrap: return wrap(a, b, c);
-    case MathOp::kSnap: return std::floor(safe_divide(a, b)) * b;
-    case MathOp::kPingpong: return pingpong(a, b);
-    case MathOp::kSine: return std::sin(a);
-    case MathOp::kCosine: return std::cos(a);
-    case MathOp::kTangent: return std::tan(a);
-    case MathOp::kArcsine: return std::asin(clamp(a, -1.0f, 1.0f));
-    case MathOp::kArccosine: return std::acos(clamp(a, -1.0f, 1.0f));
-    case MathOp::kArctangent: return std::atan(a);
-    case MathOp::kArctan2: return a == 0.0f && b == 0.0f ? 0.0f : std::atan2(a, b);
-    case MathOp::kSinh: return std::sinh(a);
-    case MathOp::kCosh: return std::cosh(a);
-    case MathOp::kTanh: return std::tanh(a);
-    case MathOp::kRadians: return a * (kPi / 180.0f);
-    case MathOp::kDegrees: return a * (180.0f / kPi);
+    case MathOp::kSmoothMin:
+      return smooth_minimum(a, b, c);
+    case MathOp::kSmoothMax:
+      return -smooth_minimum(-a, -b, c);
+    case MathOp::kRound:
+      return std::floor(a + 0.5f);
+    case MathOp::kFloor:
+      return std::floor(a);
+    case MathOp::kCeil:
+      return std::ceil(a);
+    case MathOp::kTrunc:
+      return std::trunc(a);
+    case MathOp::kFract:
+      return a - std::floor(a);
+    case MathOp::kModulo:
+      return b != 0.0f ? std::fmod(a, b) : 0.0f;
+    case MathOp::kFlooredModulo:
+      return b != 0.0f ? a - std::floor(a / b) * b : 0.0f;
+    case MathOp::kWrap:
+      return wrap(a, b, c);
+    case MathOp::kSnap:
+      return std::floor(safe_divide(a, b)) * b;
+    case MathOp::kPingpong:
+      return pingpong(a, b);
+    case MathOp::kSine:
+      return std::sin(a);
+    case MathOp::kCosine:
+      return std::cos(a);
+    case MathOp::kTangent:
+      return std::tan(a);
+    case MathOp::kArcsine:
+      return std::asin(clamp(a, -1.0f, 1.0f));
+    case MathOp::kArccosine:
+      return std::acos(clamp(a, -1.0f, 1.0f));
+    case MathOp::kArctangent:
+      return std::atan(a);
+    case MathOp::kArctan2:
+      return a == 0.0f && b == 0.0f ? 0.0f : std::atan2(a, b);
+    case MathOp::kSinh:
+      return std::sinh(a);
+    case MathOp::kCosh:
+      return std::cosh(a);
+    case MathOp::kTanh:
+      return std::tanh(a);
+    case MathOp::kRadians:
+      return a * (kPi / 180.0f);
+    case MathOp::kDegrees:
+      return a * (180.0f / kPi);
   }
   return 0.0f;
 }
@@ -129,46 +169,78 @@ Vec3f evaluate_vector_math(VectorMathOp op, Vec3f a, Vec3f b, Vec3f c, float sca
                  evaluate_math(scalar, a.z, b.z, c.z)};
   };
   switch (op) {
-    case VectorMathOp::kAdd: return a + b;
-    case VectorMathOp::kSubtract: return a - b;
-    case VectorMathOp::kMultiply: return a * b;
-    case VectorMathOp::kDivide: return safe_divide(a, b);
-    case VectorMathOp::kMultiplyAdd: return a * b + c;
-    case VectorMathOp::kCrossProduct: return cross(a, b);
-    case VectorMathOp::kProject: return project(a, b);
-    case VectorMathOp::kReflect: return reflect(a, normalize(b));
-    case VectorMathOp::kRefract: return refract(a, normalize(b), scale);
-    case VectorMathOp::kFaceforward: return dot(c, b) < 0.0f ? a : -a;
-    case VectorMathOp::kScale: return a * scale;
-    case VectorMathOp::kNormalize: return normalize(a);
-    case VectorMathOp::kAbsolute: return abs(a);
-    case VectorMathOp::kPower: return map(safe_power, a, b);
-    case VectorMathOp::kSign: return map(sign, a);
-    case VectorMathOp::kMinimum: return min(a, b);
-    case VectorMathOp::kMaximum: return max(a, b);
-    case VectorMathOp::kRound: return each(MathOp::kRound);
-    case VectorMathOp::kFloor: return each(MathOp::kFloor);
-    case VectorMathOp::kCeil: return each(MathOp::kCeil);
-    case VectorMathOp::kFraction: return each(MathOp::kFract);
-    case VectorMathOp::kModulo: return each(MathOp::kModulo);
-    case VectorMathOp::kWrap: return each(MathOp::kWrap);
-    case VectorMathOp::kSnap: return each(MathOp::kSnap);
-    case VectorMathOp::kSine: return each(MathOp::kSine);
-    case VectorMathOp::kCosine: return each(MathOp::kCosine);
-    case VectorMathOp::kTangent: return each(MathOp::kTangent);
+    case VectorMathOp::kAdd:
+      return a + b;
+    case VectorMathOp::kSubtract:
+      return a - b;
+    case VectorMathOp::kMultiply:
+      return a * b;
+    case VectorMathOp::kDivide:
+      return safe_divide(a, b);
+    case VectorMathOp::kMultiplyAdd:
+      return a * b + c;
+    case VectorMathOp::kCrossProduct:
+      return cross(a, b);
+    case VectorMathOp::kProject:
+      return project(a, b);
+    case VectorMathOp::kReflect:
+      return reflect(a, normalize(b));
+    case VectorMathOp::kRefract:
+      return refract(a, normalize(b), scale);
+    case VectorMathOp::kFaceforward:
+      return dot(c, b) < 0.0f ? a : -a;
+    case VectorMathOp::kScale:
+      return a * scale;
+    case VectorMathOp::kNormalize:
+      return normalize(a);
+    case VectorMathOp::kAbsolute:
+      return abs(a);
+    case VectorMathOp::kPower:
+      return map(safe_power, a, b);
+    case VectorMathOp::kSign:
+      return map(sign, a);
+    case VectorMathOp::kMinimum:
+      return min(a, b);
+    case VectorMathOp::kMaximum:
+      return max(a, b);
+    case VectorMathOp::kRound:
+      return each(MathOp::kRound);
+    case VectorMathOp::kFloor:
+      return each(MathOp::kFloor);
+    case VectorMathOp::kCeil:
+      return each(MathOp::kCeil);
+    case VectorMathOp::kFraction:
+      return each(MathOp::kFract);
+    case VectorMathOp::kModulo:
+      return each(MathOp::kModulo);
+    case VectorMathOp::kWrap:
+      return each(MathOp::kWrap);
+    case VectorMathOp::kSnap:
+      return each(MathOp::kSnap);
+    case VectorMathOp::kSine:
+      return each(MathOp::kSine);
+    case VectorMathOp::kCosine:
+      return each(MathOp::kCosine);
+    case VectorMathOp::kTangent:
+      return each(MathOp::kTangent);
     case VectorMathOp::kDotProduct:
     case VectorMathOp::kDistance:
-    case VectorMathOp::kLength: break;
+    case VectorMathOp::kLength:
+      break;
   }
   return {};
 }
 
 float evaluate_vector_math_value(VectorMathOp op, Vec3f a, Vec3f b) {
   switch (op) {
-    case VectorMathOp::kDotProduct: return dot(a, b);
-    case VectorMathOp::kDistance: return length(a - b);
-    case VectorMathOp::kLength: return length(a);
-    default: return 0.0f;
+    case VectorMathOp::kDotProduct:
+      return dot(a, b);
+    case VectorMathOp::kDistance:
+      return length(a - b);
+    case VectorMathOp::kLength:
+      return length(a);
+    default:
+      return 0.0f;
   }
 }
 
@@ -183,12 +255,17 @@ float evaluate_map_range(MapRangeKind kind, float value, const MapRange& r) {
   // A reversed range needs no case of its own: 1 - s(1 - t) = s(t) for both smooth steps.
   float t = (value - r.from_min) / (r.from_max - r.from_min);
   switch (kind) {
-    case MapRangeKind::kLinear: break;
+    case MapRangeKind::kLinear:
+      break;
     case MapRangeKind::kStepped:
       t = r.steps > 0.0f ? std::floor(t * (r.steps + 1.0f)) / r.steps : 0.0f;
       break;
-    case MapRangeKind::kSmoothstep: t = smooth_step(saturate(t)); break;
-    case MapRangeKind::kSmootherstep: t = smoother_step(saturate(t)); break;
+    case MapRangeKind::kSmoothstep:
+      t = smooth_step(saturate(t));
+      break;
+    case MapRangeKind::kSmootherstep:
+      t = smoother_step(saturate(t));
+      break;
   }
   return r.to_min + t * (r.to_max - r.to_min);
 }

@@ -41,8 +41,8 @@ struct OutputKind {
 struct ParamKind {
   std::string_view name;  // RNA property, or the form that description.py gives it
   ParamType type = ParamType::kBool;
-  double number = 0;                       // default of kBool, kInt, kFloat, kImage
-  std::vector<std::string_view> items;     // kEnum: identifiers; the first one is the default
+  double number = 0;                    // default of kBool, kInt, kFloat, kImage
+  std::vector<std::string_view> items;  // kEnum: identifiers; the first one is the default
 };
 
 class NodeLowering;

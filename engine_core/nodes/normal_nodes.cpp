@@ -26,8 +26,8 @@ void lower_normal_map(NodeLowering& node) {
                       {color, keep, flip, node.builder().constant(1.0f)});
   }
   const uint32_t id = space == NormalSpace::kTangent ? tangent_attribute(node) : 0;
-  node.set("Normal", node.emit(Op::kNormalMap, space, kVector,
-                               {node.input("Strength"), color}, id));
+  node.set("Normal",
+           node.emit(Op::kNormalMap, space, kVector, {node.input("Strength"), color}, id));
 }
 
 // The height is evaluated at three points; at those of another Bump's height this one passes its
@@ -59,8 +59,7 @@ void lower_tangent(NodeLowering& node) {
   if (node.param_enum<Direction>("direction_type") == Direction::kUvMap) {
     node.set("Tangent", node.emit(Op::kTangent, kByUv, kVector, {}, tangent_attribute(node)));
   } else {
-    node.set("Tangent",
-             node.emit(Op::kTangent, node.param_enum<TangentAxis>("axis"), kVector, {}));
+    node.set("Tangent", node.emit(Op::kTangent, node.param_enum<TangentAxis>("axis"), kVector, {}));
   }
 }
 
@@ -69,21 +68,28 @@ void lower_tangent(NodeLowering& node) {
 std::vector<NodeKind> normal_node_kinds() {
   std::vector<NodeKind> kinds;
   kinds.push_back(
-      {"ShaderNodeNormalMap", NodeRole::kValue, lower_normal_map,
+      {"ShaderNodeNormalMap",
+       NodeRole::kValue,
+       lower_normal_map,
        {float_input("Strength", 1.0f), color_input("Color", 0.5f, 0.5f, 1.0f)},
        {vector_output("Normal")},
        {enum_param("space", {"TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"}),
         string_param("uv_map"), enum_param("convention", {"OPENGL", "DIRECTX"}),
         enum_param("base", {"DISPLACED", "ORIGINAL"})},
        {}});
-  kinds.push_back({"ShaderNodeBump", NodeRole::kValue, lower_bump,
+  kinds.push_back({"ShaderNodeBump",
+                   NodeRole::kValue,
+                   lower_bump,
                    {float_input("Strength", 1.0f), float_input("Distance", 1.0f),
                     float_input("Filter Width", 0.1f), float_input("Height", 1.0f),
                     vector_input("Normal", SocketSource::kNormal)},
                    {vector_output("Normal")},
                    {bool_param("invert", false)},
                    {}});
-  kinds.push_back({"ShaderNodeTangent", NodeRole::kValue, lower_tangent, {},
+  kinds.push_back({"ShaderNodeTangent",
+                   NodeRole::kValue,
+                   lower_tangent,
+                   {},
                    {vector_output("Tangent")},
                    {enum_param("direction_type", {"RADIAL", "UV_MAP"}),
                     enum_param("axis", {"X", "Y", "Z"}), string_param("uv_map")},

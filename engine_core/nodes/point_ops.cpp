@@ -98,17 +98,25 @@ Vec3f render_normal_to_object(const SurfacePoint& point, Vec3f n) {
 
 Vec3f geometry_value(GeometryValue value, const SurfacePoint& point) {
   switch (value) {
-    case GeometryValue::kPosition: return world_position(point);
-    case GeometryValue::kNormal: return in_world(point) ? point.wo : point.ns;
-    case GeometryValue::kTrueNormal: return in_world(point) ? point.wo : point.ng;
-    case GeometryValue::kIncoming: return point.wo;
-    case GeometryValue::kParametric: return {1.0f - point.u - point.v, point.u, 0.0f};
-    case GeometryValue::kBackfacing: return splat(point.backfacing ? 1.0f : 0.0f);
+    case GeometryValue::kPosition:
+      return world_position(point);
+    case GeometryValue::kNormal:
+      return in_world(point) ? point.wo : point.ns;
+    case GeometryValue::kTrueNormal:
+      return in_world(point) ? point.wo : point.ng;
+    case GeometryValue::kIncoming:
+      return point.wo;
+    case GeometryValue::kParametric:
+      return {1.0f - point.u - point.v, point.u, 0.0f};
+    case GeometryValue::kBackfacing:
+      return splat(point.backfacing ? 1.0f : 0.0f);
     case GeometryValue::kTangent:
       return cross(point.ns, normalize(cross(radial_tangent(point), point.ns)));
-    case GeometryValue::kGenerated: return generated(point);
-    case GeometryValue::kObject: return object_position(point);
-    case GeometryValue::kObjectNormal: 
+    case GeometryValue::kGenerated:
+      return generated(point);
+    case GeometryValue::kObject:
+      return object_position(point);
+    case GeometryValue::kObjectNormal:
       return in_world(point) ? point.wo : render_normal_to_object(point, point.ns);
     case GeometryValue::kReflection:
       return on_mesh(point) ? point.ns * (2.0f * dot(point.wo, point.ns)) - point.wo : point.wo;
@@ -125,10 +133,13 @@ Vec4f attribute_value(AttributeUse use, const SurfacePoint& point, uint32_t id) 
   const Vec4f v = point.scene->attribute(point, id);
   const auto all = [](float x) { return Vec4f{x, x, x, 1.0f}; };
   switch (use) {
-    case AttributeUse::kVector: return channels == 1 ? all(v.x) : v;
-    case AttributeUse::kFactor: return all(channels <= 2 ? v.x : average(v.xyz()));
+    case AttributeUse::kVector:
+      return channels == 1 ? all(v.x) : v;
+    case AttributeUse::kFactor:
+      return all(channels <= 2 ? v.x : average(v.xyz()));
     case AttributeUse::kAlpha:
-    case AttributeUse::kColorAlpha: return all(channels == 4 ? v.w : 1.0f);
+    case AttributeUse::kColorAlpha:
+      return all(channels == 4 ? v.w : 1.0f);
   }
   return {};
 }
@@ -140,13 +151,18 @@ Vec3f object_value(ObjectValue value, const SurfacePoint& point) {
   const Instance& instance = instance_of(point);
   const ObjectDesc& object = point.scene->objects[instance.object];
   switch (value) {
-    case ObjectValue::kLocation: return {object.location[0], object.location[1], object.location[2]};
-    case ObjectValue::kColor: return {object.color[0], object.color[1], object.color[2]};
-    case ObjectValue::kAlpha: return splat(object.color[3]);
-    case ObjectValue::kObjectIndex: return splat(object.pass_index);
+    case ObjectValue::kLocation:
+      return {object.location[0], object.location[1], object.location[2]};
+    case ObjectValue::kColor:
+      return {object.color[0], object.color[1], object.color[2]};
+    case ObjectValue::kAlpha:
+      return splat(object.color[3]);
+    case ObjectValue::kObjectIndex:
+      return splat(object.pass_index);
     case ObjectValue::kMaterialIndex:
       return splat(point.scene->material_pass_indices[point.material]);
-    case ObjectValue::kRandom: return splat(instance.random);
+    case ObjectValue::kRandom:
+      return splat(instance.random);
   }
   return {};
 }
@@ -154,21 +170,36 @@ Vec3f object_value(ObjectValue value, const SurfacePoint& point) {
 float light_path_value(LightPathValue value, const SurfacePoint& point) {
   const auto flag = [&](uint32_t bits) { return (point.ray_flags & bits) != 0 ? 1.0f : 0.0f; };
   switch (value) {
-    case LightPathValue::kCamera: return flag(kRayCamera);
-    case LightPathValue::kShadow: return flag(kRayShadow);
-    case LightPathValue::kDiffuse: return flag(kRayDiffuse);
-    case LightPathValue::kGlossy: return flag(kRayGlossy);
-    case LightPathValue::kSingular: return flag(kRaySingular);
-    case LightPathValue::kReflection: return flag(kRayReflection);
-    case LightPathValue::kTransmission: return flag(kRayTransmission);
-    case LightPathValue::kVolumeScatter: return 0.0f;
-    case LightPathValue::kRayLength: return point.ray_length;
-    case LightPathValue::kRayDepth: return point.depth.total;
-    case LightPathValue::kDiffuseDepth: return point.depth.diffuse;
-    case LightPathValue::kGlossyDepth: return point.depth.glossy;
-    case LightPathValue::kTransparentDepth: return point.depth.transparent;
-    case LightPathValue::kTransmissionDepth: return point.depth.transmission;
-    case LightPathValue::kPortalDepth: return 0.0f;
+    case LightPathValue::kCamera:
+      return flag(kRayCamera);
+    case LightPathValue::kShadow:
+      return flag(kRayShadow);
+    case LightPathValue::kDiffuse:
+      return flag(kRayDiffuse);
+    case LightPathValue::kGlossy:
+      return flag(kRayGlossy);
+    case LightPathValue::kSingular:
+      return flag(kRaySingular);
+    case LightPathValue::kReflection:
+      return flag(kRayReflection);
+    case LightPathValue::kTransmission:
+      return flag(kRayTransmission);
+    case LightPathValue::kVolumeScatter:
+      return 0.0f;
+    case LightPathValue::kRayLength:
+      return point.ray_length;
+    case LightPathValue::kRayDepth:
+      return point.depth.total;
+    case LightPathValue::kDiffuseDepth:
+      return point.depth.diffuse;
+    case LightPathValue::kGlossyDepth:
+      return point.depth.glossy;
+    case LightPathValue::kTransparentDepth:
+      return point.depth.transparent;
+    case LightPathValue::kTransmissionDepth:
+      return point.depth.transmission;
+    case LightPathValue::kPortalDepth:
+      return 0.0f;
   }
   return 0.0f;
 }
@@ -189,11 +220,16 @@ Vec3f camera_value(CameraValue value, const SurfacePoint& point) {
   Vec3f p = camera->to_camera(point.p - camera->position());
   p.z = -p.z;
   switch (value) {
-    case CameraValue::kVector: return normalize(p);
-    case CameraValue::kDepth: return splat(p.z);
-    case CameraValue::kDistance: return splat(length(p));
-    case CameraValue::kPosition: return p;
-    case CameraValue::kWindow: break;
+    case CameraValue::kVector:
+      return normalize(p);
+    case CameraValue::kDepth:
+      return splat(p.z);
+    case CameraValue::kDistance:
+      return splat(length(p));
+    case CameraValue::kPosition:
+      return p;
+    case CameraValue::kWindow:
+      break;
   }
   return {};
 }

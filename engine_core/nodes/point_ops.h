@@ -9,13 +9,13 @@
 namespace vernier {
 
 enum class GeometryValue : uint8_t {
-  kPosition,      // world space
-  kNormal,        // of shading
-  kTrueNormal,    // of the triangle
-  kIncoming,      // toward the viewer
+  kPosition,    // world space
+  kNormal,      // of shading
+  kTrueNormal,  // of the triangle
+  kIncoming,    // toward the viewer
   kParametric,
   kBackfacing,
-  kTangent,       // radial, about the object's z axis
+  kTangent,  // radial, about the object's z axis
   kGenerated,
   kObject,        // position in object space
   kObjectNormal,  // shading normal in object space
@@ -33,20 +33,40 @@ enum class AttributeUse : uint8_t {
 Vec4f attribute_value(AttributeUse use, const SurfacePoint& point, uint32_t id);
 
 enum class ObjectValue : uint8_t {
-  kLocation, kColor, kAlpha, kObjectIndex, kMaterialIndex, kRandom,
+  kLocation,
+  kColor,
+  kAlpha,
+  kObjectIndex,
+  kMaterialIndex,
+  kRandom,
 };
 Vec3f object_value(ObjectValue value, const SurfacePoint& point);
 
 // In the order of the Light Path node's outputs.
 enum class LightPathValue : uint8_t {
-  kCamera, kShadow, kDiffuse, kGlossy, kSingular, kReflection, kTransmission, kVolumeScatter,
-  kRayLength, kRayDepth, kDiffuseDepth, kGlossyDepth, kTransparentDepth, kTransmissionDepth,
+  kCamera,
+  kShadow,
+  kDiffuse,
+  kGlossy,
+  kSingular,
+  kReflection,
+  kTransmission,
+  kVolumeScatter,
+  kRayLength,
+  kRayDepth,
+  kDiffuseDepth,
+  kGlossyDepth,
+  kTransparentDepth,
+  kTransmissionDepth,
   kPortalDepth,
 };
 float light_path_value(LightPathValue value, const SurfacePoint& point);
 
 enum class CameraValue : uint8_t {
-  kVector, kDepth, kDistance, kPosition,
+  kVector,
+  kDepth,
+  kDistance,
+  kPosition,
   kWindow,  // [0, 1]^2 over the picture; zero for points outside it
 };
 Vec3f camera_value(CameraValue value, const SurfacePoint& point);

@@ -16,10 +16,14 @@ enum class Dimensions { k3D, k1D, k2D, k4D };
 // Dimensions less one, as variants hold them.
 unsigned dimension_bits(NodeLowering& node, std::string_view param) {
   switch (node.param_enum<Dimensions>(param)) {
-    case Dimensions::k1D: return 0;
-    case Dimensions::k2D: return 1;
-    case Dimensions::k3D: return 2;
-    case Dimensions::k4D: return 3;
+    case Dimensions::k1D:
+      return 0;
+    case Dimensions::k2D:
+      return 1;
+    case Dimensions::k3D:
+      return 2;
+    case Dimensions::k4D:
+      return 3;
   }
   return 2;
 }
@@ -157,34 +161,33 @@ NodeKind texture_kind(std::string_view name, void (*lower)(NodeLowering&),
 
 std::vector<NodeKind> texture_node_kinds() {
   std::vector<NodeKind> kinds{
-      texture_kind("ShaderNodeTexNoise", lower_noise,
-                   {float_input("W", 0.0f), float_input("Scale", 5.0f), float_input("Detail", 2.0f),
-                    float_input("Roughness", 0.5f), float_input("Lacunarity", 2.0f),
-                    float_input("Offset", 0.0f), float_input("Gain", 1.0f),
-                    float_input("Distortion", 0.0f)},
-                   {float_output("Fac"), color_output("Color")},
-                   {enum_param("noise_dimensions", dimension_items()),
-                    enum_param("noise_type", {"FBM", "MULTIFRACTAL", "RIDGED_MULTIFRACTAL",
-                                              "HYBRID_MULTIFRACTAL", "HETERO_TERRAIN"}),
-                    bool_param("normalize", true)}),
-      texture_kind("ShaderNodeTexChecker", lower_checker,
-                   {color_input("Color1", 0.8f), color_input("Color2", 0.2f),
-                    float_input("Scale", 5.0f)},
-                   {color_output("Color"), float_output("Fac")}),
-      texture_kind("ShaderNodeTexBrick", lower_brick,
-                   {color_input("Color1", 0.8f), color_input("Color2", 0.2f),
-                    color_input("Mortar", 0.0f), float_input("Scale", 5.0f),
-                    float_input("Mortar Size", 0.02f), float_input("Mortar Smooth", 0.1f),
-                    float_input("Bias", 0.0f), float_input("Brick Width", 0.5f),
-                    float_input("Row Height", 0.25f)},
-                   {color_output("Color"), float_output("Fac")},
-                   {float_param("offset", 0.5), int_param("offset_frequency", 2),
-                    float_param("squash", 1.0), int_param("squash_frequency", 2)}),
+      texture_kind(
+          "ShaderNodeTexNoise", lower_noise,
+          {float_input("W", 0.0f), float_input("Scale", 5.0f), float_input("Detail", 2.0f),
+           float_input("Roughness", 0.5f), float_input("Lacunarity", 2.0f),
+           float_input("Offset", 0.0f), float_input("Gain", 1.0f), float_input("Distortion", 0.0f)},
+          {float_output("Fac"), color_output("Color")},
+          {enum_param("noise_dimensions", dimension_items()),
+           enum_param("noise_type", {"FBM", "MULTIFRACTAL", "RIDGED_MULTIFRACTAL",
+                                     "HYBRID_MULTIFRACTAL", "HETERO_TERRAIN"}),
+           bool_param("normalize", true)}),
+      texture_kind(
+          "ShaderNodeTexChecker", lower_checker,
+          {color_input("Color1", 0.8f), color_input("Color2", 0.2f), float_input("Scale", 5.0f)},
+          {color_output("Color"), float_output("Fac")}),
+      texture_kind(
+          "ShaderNodeTexBrick", lower_brick,
+          {color_input("Color1", 0.8f), color_input("Color2", 0.2f), color_input("Mortar", 0.0f),
+           float_input("Scale", 5.0f), float_input("Mortar Size", 0.02f),
+           float_input("Mortar Smooth", 0.1f), float_input("Bias", 0.0f),
+           float_input("Brick Width", 0.5f), float_input("Row Height", 0.25f)},
+          {color_output("Color"), float_output("Fac")},
+          {float_param("offset", 0.5), int_param("offset_frequency", 2), float_param("squash", 1.0),
+           int_param("squash_frequency", 2)}),
       texture_kind("ShaderNodeTexGradient", lower_gradient, {},
                    {color_output("Color"), float_output("Fac")},
-                   {enum_param("gradient_type",
-                               {"LINEAR", "QUADRATIC", "EASING", "DIAGONAL", "SPHERICAL",
-                                "QUADRATIC_SPHERE", "RADIAL"})}),
+                   {enum_param("gradient_type", {"LINEAR", "QUADRATIC", "EASING", "DIAGONAL",
+                                                 "SPHERICAL", "QUADRATIC_SPHERE", "RADIAL"})}),
       texture_kind("ShaderNodeTexWave", lower_wave,
                    {float_input("Scale", 5.0f), float_input("Distortion", 0.0f),
                     float_input("Detail", 2.0f), float_input("Detail Scale", 1.0f),
@@ -198,24 +201,27 @@ std::vector<NodeKind> texture_node_kinds() {
                    {float_input("Scale", 5.0f), float_input("Distortion", 1.0f)},
                    {color_output("Color"), float_output("Fac")},
                    {int_param("turbulence_depth", 2)}),
-      texture_kind("ShaderNodeTexVoronoi", lower_voronoi,
-                   {float_input("W", 0.0f), float_input("Scale", 5.0f), float_input("Detail", 0.0f),
-                    float_input("Roughness", 0.5f), float_input("Lacunarity", 2.0f),
-                    float_input("Smoothness", 1.0f), float_input("Exponent", 0.5f),
-                    float_input("Randomness", 1.0f)},
-                   {float_output("Distance"), color_output("Color"), vector_output("Position"),
-                    float_output("W"), float_output("Radius")},
-                   {enum_param("voronoi_dimensions", dimension_items()),
-                    enum_param("feature", {"F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE",
-                                           "N_SPHERE_RADIUS"}),
-                    enum_param("distance", {"EUCLIDEAN", "MANHATTAN", "CHEBYCHEV", "MINKOWSKI"}),
-                    bool_param("normalize", false)}),
+      texture_kind(
+          "ShaderNodeTexVoronoi", lower_voronoi,
+          {float_input("W", 0.0f), float_input("Scale", 5.0f), float_input("Detail", 0.0f),
+           float_input("Roughness", 0.5f), float_input("Lacunarity", 2.0f),
+           float_input("Smoothness", 1.0f), float_input("Exponent", 0.5f),
+           float_input("Randomness", 1.0f)},
+          {float_output("Distance"), color_output("Color"), vector_output("Position"),
+           float_output("W"), float_output("Radius")},
+          {enum_param("voronoi_dimensions", dimension_items()),
+           enum_param("feature", {"F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"}),
+           enum_param("distance", {"EUCLIDEAN", "MANHATTAN", "CHEBYCHEV", "MINKOWSKI"}),
+           bool_param("normalize", false)}),
   };
   // White noise is a node without a default coordinate.
-  kinds.push_back({"ShaderNodeTexWhiteNoise", NodeRole::kValue, lower_white_noise,
+  kinds.push_back({"ShaderNodeTexWhiteNoise",
+                   NodeRole::kValue,
+                   lower_white_noise,
                    {vector_input("Vector"), float_input("W", 0.0f)},
                    {float_output("Value"), color_output("Color")},
-                   {enum_param("noise_dimensions", dimension_items())}, {}});
+                   {enum_param("noise_dimensions", dimension_items())},
+                   {}});
   return kinds;
 }
 

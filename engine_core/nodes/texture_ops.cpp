@@ -26,8 +26,8 @@ Vec4f execute_noise(uint8_t variant, const Arguments& a) {
   params.offset = a.scalar(6);
   params.gain = a.scalar(7);
   const bool color = (variant & 64u) != 0;
-  const Vec3f value = noise_texture((variant & 3) + 1, scaled_coordinate(a), params, a.scalar(8),
-                                    color);
+  const Vec3f value =
+      noise_texture((variant & 3) + 1, scaled_coordinate(a), params, a.scalar(8), color);
   return color ? to_register(value) : to_register(value.x);
 }
 
@@ -93,8 +93,7 @@ Vec4f execute_voronoi(uint8_t variant, const Arguments& a, const float* data) {
   params.smoothness = clamp(a.scalar(6) * 0.5f, 0.0f, 0.5f);
   params.exponent = a.scalar(7);
   params.randomness = saturate(a.scalar(8));
-  const VoronoiCell cell =
-      voronoi_texture(static_cast<int>(data[0]), scaled_coordinate(a), params);
+  const VoronoiCell cell = voronoi_texture(static_cast<int>(data[0]), scaled_coordinate(a), params);
   if (static_cast<VoronoiOutput>(variant) == VoronoiOutput::kPosition) {
     return cell.position;
   }

@@ -62,37 +62,54 @@ void lower_normal(NodeLowering& node) {
 // Normal has its output socket's value as the parameter `direction`.
 std::vector<NodeKind> vector_node_kinds() {
   std::vector<NodeKind> kinds;
-  kinds.push_back({"ShaderNodeMapping", NodeRole::kValue, lower_mapping,
+  kinds.push_back({"ShaderNodeMapping",
+                   NodeRole::kValue,
+                   lower_mapping,
                    {vector_input("Vector"), vector_input("Location"), vector_input("Rotation"),
                     vector_input("Scale", 1, 1, 1)},
                    {vector_output("Vector")},
                    {enum_param("vector_type", {"POINT", "TEXTURE", "VECTOR", "NORMAL"})},
                    {}});
-  kinds.push_back({"ShaderNodeVectorRotate", NodeRole::kValue, lower_vector_rotate,
-                   {vector_input("Vector"), vector_input("Center"), vector_input("Axis", 0, 0, 1),
-                    float_input("Angle", 0.0f), vector_input("Rotation")},
-                   {vector_output("Vector")},
-                   {enum_param("rotation_type",
-                               {"AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS", "EULER_XYZ"}),
-                    bool_param("invert", false)},
-                   {}});
-  kinds.push_back({"ShaderNodeVectorTransform", NodeRole::kValue, lower_vector_transform,
+  kinds.push_back(
+      {"ShaderNodeVectorRotate",
+       NodeRole::kValue,
+       lower_vector_rotate,
+       {vector_input("Vector"), vector_input("Center"), vector_input("Axis", 0, 0, 1),
+        float_input("Angle", 0.0f), vector_input("Rotation")},
+       {vector_output("Vector")},
+       {enum_param("rotation_type", {"AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS", "EULER_XYZ"}),
+        bool_param("invert", false)},
+       {}});
+  kinds.push_back({"ShaderNodeVectorTransform",
+                   NodeRole::kValue,
+                   lower_vector_transform,
                    {vector_input("Vector", 0.5f, 0.5f, 0.5f)},
                    {vector_output("Vector")},
                    {enum_param("vector_type", {"VECTOR", "POINT", "NORMAL"}),
                     enum_param("convert_from", {"WORLD", "OBJECT", "CAMERA"}),
                     enum_param("convert_to", {"WORLD", "OBJECT", "CAMERA"})},
                    {}});
-  kinds.push_back({"ShaderNodeCombineXYZ", NodeRole::kValue, lower_combine,
+  kinds.push_back({"ShaderNodeCombineXYZ",
+                   NodeRole::kValue,
+                   lower_combine,
                    {float_input("X", 0.0f), float_input("Y", 0.0f), float_input("Z", 0.0f)},
-                   {vector_output("Vector")}, {}, {}});
-  kinds.push_back({"ShaderNodeSeparateXYZ", NodeRole::kValue, lower_separate,
+                   {vector_output("Vector")},
+                   {},
+                   {}});
+  kinds.push_back({"ShaderNodeSeparateXYZ",
+                   NodeRole::kValue,
+                   lower_separate,
                    {vector_input("Vector")},
-                   {float_output("X"), float_output("Y"), float_output("Z")}, {}, {}});
-  kinds.push_back({"ShaderNodeNormal", NodeRole::kValue, lower_normal,
+                   {float_output("X"), float_output("Y"), float_output("Z")},
+                   {},
+                   {}});
+  kinds.push_back({"ShaderNodeNormal",
+                   NodeRole::kValue,
+                   lower_normal,
                    {vector_input("Normal", 0, 0, 1)},
                    {vector_output("Normal"), float_output("Dot")},
-                   {floats_param("direction")}, {}});
+                   {floats_param("direction")},
+                   {}});
   return kinds;
 }
 

@@ -11,9 +11,18 @@ Transform euler_rotation(Vec3f euler) {
   const float cx = std::cos(euler.x), cy = std::cos(euler.y), cz = std::cos(euler.z);
   const float sx = std::sin(euler.x), sy = std::sin(euler.y), sz = std::sin(euler.z);
   Transform t;
-  t.m = {cy * cz, sy * sx * cz - cx * sz, sy * cx * cz + sx * sz, 0.0f,
-         cy * sz, sy * sx * sz + cx * cz, sy * cx * sz - sx * cz, 0.0f,
-         -sy,     cy * sx,                cy * cx,                0.0f};
+  t.m = {cy * cz,
+         sy * sx * cz - cx * sz,
+         sy * cx * cz + sx * sz,
+         0.0f,
+         cy * sz,
+         sy * sx * sz + cx * cz,
+         sy * cx * sz - sx * cz,
+         0.0f,
+         -sy,
+         cy * sx,
+         cy * cx,
+         0.0f};
   return t;
 }
 
@@ -22,10 +31,14 @@ Transform euler_rotation(Vec3f euler) {
 Vec3f map_vector(MappingKind kind, Vec3f v, Vec3f location, Vec3f rotation, Vec3f scale) {
   const Transform rotate = euler_rotation(rotation);
   switch (kind) {
-    case MappingKind::kPoint: return rotate.vector(v * scale) + location;
-    case MappingKind::kTexture: return safe_divide(rotate.transposed_vector(v - location), scale);
-    case MappingKind::kVector: return rotate.vector(v * scale);
-    case MappingKind::kNormal: return normalize(rotate.vector(safe_divide(v, scale)));
+    case MappingKind::kPoint:
+      return rotate.vector(v * scale) + location;
+    case MappingKind::kTexture:
+      return safe_divide(rotate.transposed_vector(v - location), scale);
+    case MappingKind::kVector:
+      return rotate.vector(v * scale);
+    case MappingKind::kNormal:
+      return normalize(rotate.vector(safe_divide(v, scale)));
   }
   return {};
 }
@@ -43,9 +56,12 @@ Vec3f rotate_vector(RotationKind kind, Vec3f v, Vec3f center, Vec3f axis_or_eule
       const float size = length(axis_or_euler);
       return size != 0.0f ? rotate_around(arm, axis_or_euler / size, angle_or_sign) + center : v;
     }
-    case RotationKind::kX: return rotate_around(arm, {1, 0, 0}, angle_or_sign) + center;
-    case RotationKind::kY: return rotate_around(arm, {0, 1, 0}, angle_or_sign) + center;
-    case RotationKind::kZ: return rotate_around(arm, {0, 0, 1}, angle_or_sign) + center;
+    case RotationKind::kX:
+      return rotate_around(arm, {1, 0, 0}, angle_or_sign) + center;
+    case RotationKind::kY:
+      return rotate_around(arm, {0, 1, 0}, angle_or_sign) + center;
+    case RotationKind::kZ:
+      return rotate_around(arm, {0, 0, 1}, angle_or_sign) + center;
     case RotationKind::kEuler: {
       const Transform rotate = euler_rotation(axis_or_euler);
       return (angle_or_sign < 0.0f ? rotate.transposed_vector(arm) : rotate.vector(arm)) + center;

@@ -24,10 +24,14 @@ int wrap_mirror(int x, int size) {
 // A pixel index inside the image. Clipping leaves indices as they are: readers test them.
 int wrap(int x, int size, Extension extension) {
   switch (extension) {
-    case Extension::kRepeat: return wrap_repeat(x, size);
-    case Extension::kExtend: return std::min(std::max(x, 0), size - 1);
-    case Extension::kMirror: return wrap_mirror(x, size);
-    case Extension::kClip: break;
+    case Extension::kRepeat:
+      return wrap_repeat(x, size);
+    case Extension::kExtend:
+      return std::min(std::max(x, 0), size - 1);
+    case Extension::kMirror:
+      return wrap_mirror(x, size);
+    case Extension::kClip:
+      break;
   }
   return x;
 }
@@ -62,10 +66,10 @@ ImageTexture::ImageTexture(const ImageDesc& desc)
   const size_t item = desc.type == PixelType::kUint8 ? 1 : sizeof(float);
   if ((desc.channels != 1 && desc.channels != 3 && desc.channels != 4) ||
       desc.pixels.size() != count * item) {
-    throw std::invalid_argument("image '" + desc.name + "': " +
-                                std::to_string(desc.pixels.size()) + " bytes do not hold " +
-                                std::to_string(desc.width) + " x " + std::to_string(desc.height) +
-                                " pixels of " + std::to_string(desc.channels) + " channels");
+    throw std::invalid_argument("image '" + desc.name + "': " + std::to_string(desc.pixels.size()) +
+                                " bytes do not hold " + std::to_string(desc.width) + " x " +
+                                std::to_string(desc.height) + " pixels of " +
+                                std::to_string(desc.channels) + " channels");
   }
   width_ = desc.width;
   height_ = desc.height;
@@ -102,8 +106,8 @@ ImageTexture::ImageTexture(const ImageDesc& desc)
 
 // A pixel as stored, in [0, 1] for bytes. x and y are inside.
 Vec4f ImageTexture::encoded(int x, int y) const {
-  const size_t i = (static_cast<size_t>(y) * static_cast<size_t>(width_) +
-                    static_cast<size_t>(x)) * static_cast<size_t>(channels_);
+  const size_t i = (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)) *
+                   static_cast<size_t>(channels_);
   const float opaque = 1.0f;
   if (!bytes_.empty()) {
     constexpr float kScale = 1.0f / 255.0f;
@@ -174,8 +178,12 @@ Vec4f ImageTexture::sample(float u, float v, Interpolation interpolation, Extens
   const float y = finite_or_zero(v * static_cast<float>(height_));
   Vec4f c;
   switch (interpolation) {
-    case Interpolation::kLinear: c = interpolate_linear(x, y, extension); break;
-    case Interpolation::kCubic: c = interpolate_cubic(x, y, extension); break;
+    case Interpolation::kLinear:
+      c = interpolate_linear(x, y, extension);
+      break;
+    case Interpolation::kCubic:
+      c = interpolate_cubic(x, y, extension);
+      break;
     case Interpolation::kClosest:
       c = encoded_or_clear(wrap(floor_pixel(x), width_, extension),
                            wrap(floor_pixel(y), height_, extension));

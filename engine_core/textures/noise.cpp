@@ -214,11 +214,16 @@ float signed_noise(const std::array<float, N>& p) {
 template <int N>
 float fractal_noise(std::array<float, N> p, const FractalParams& params) {
   switch (params.kind) {
-    case NoiseKind::kFbm: return fbm<N>(p, params);
-    case NoiseKind::kMultifractal: return multifractal<N>(p, params);
-    case NoiseKind::kRidgedMultifractal: return ridged_multifractal<N>(p, params);
-    case NoiseKind::kHybridMultifractal: return hybrid_multifractal<N>(p, params);
-    case NoiseKind::kHeteroTerrain: return hetero_terrain<N>(p, params);
+    case NoiseKind::kFbm:
+      return fbm<N>(p, params);
+    case NoiseKind::kMultifractal:
+      return multifractal<N>(p, params);
+    case NoiseKind::kRidgedMultifractal:
+      return ridged_multifractal<N>(p, params);
+    case NoiseKind::kHybridMultifractal:
+      return hybrid_multifractal<N>(p, params);
+    case NoiseKind::kHeteroTerrain:
+      return hetero_terrain<N>(p, params);
   }
   return 0.0f;
 }
@@ -228,10 +233,14 @@ template float fractal_noise<3>(std::array<float, 3> p, const FractalParams& par
 Vec3f noise_texture(int dimensions, Vec4f p, const FractalParams& params, float distortion,
                     bool color) {
   switch (dimensions) {
-    case 1: return evaluate<1>({p.w}, params, distortion, color);
-    case 2: return evaluate<2>({p.x, p.y}, params, distortion, color);
-    case 3: return evaluate<3>({p.x, p.y, p.z}, params, distortion, color);
-    default: return evaluate<4>({p.x, p.y, p.z, p.w}, params, distortion, color);
+    case 1:
+      return evaluate<1>({p.w}, params, distortion, color);
+    case 2:
+      return evaluate<2>({p.x, p.y}, params, distortion, color);
+    case 3:
+      return evaluate<3>({p.x, p.y, p.z}, params, distortion, color);
+    default:
+      return evaluate<4>({p.x, p.y, p.z, p.w}, params, distortion, color);
   }
 }
 

@@ -15,7 +15,11 @@ float signed_noise(const std::array<float, N>& p);
 
 // The default comes first; the node's table has the same order.
 enum class NoiseKind : uint8_t {
-  kFbm, kMultifractal, kRidgedMultifractal, kHybridMultifractal, kHeteroTerrain,
+  kFbm,
+  kMultifractal,
+  kRidgedMultifractal,
+  kHybridMultifractal,
+  kHeteroTerrain,
 };
 
 struct FractalParams {

@@ -10,8 +10,9 @@ namespace {
 Vec3f off_lattice(Vec3f p) { return (p + splat(0.000001f)) * 0.999999f; }
 
 // floor() to an integer, at the ends of its range where that is exceeded.
-int floor_to_int(float x) { return static_cast<int>(clamp(std::floor(x), -2147483648.0f,
-                                                          2147483520.0f)); }
+int floor_to_int(float x) {
+  return static_cast<int>(clamp(std::floor(x), -2147483648.0f, 2147483520.0f));
+}
 
 // Hash of a brick's number to [0, 1] (the integer noise of Elias 1998).
 float brick_noise(uint32_t n) {
@@ -33,16 +34,22 @@ float gradient_texture(GradientKind kind, Vec3f p) {
   // A little below 1 - |p|, so that unit vectors give exactly zero, as in Cycles.
   const auto sphere = [&] { return std::max(0.999999f - length(p), 0.0f); };
   switch (kind) {
-    case GradientKind::kLinear: return saturate(p.x);
-    case GradientKind::kQuadratic: return square(saturate(p.x));
+    case GradientKind::kLinear:
+      return saturate(p.x);
+    case GradientKind::kQuadratic:
+      return square(saturate(p.x));
     case GradientKind::kEasing: {
       const float r = saturate(p.x);
       return r * r * (3.0f - 2.0f * r);
     }
-    case GradientKind::kDiagonal: return saturate((p.x + p.y) * 0.5f);
-    case GradientKind::kSpherical: return sphere();
-    case GradientKind::kQuadraticSphere: return square(sphere());
-    case GradientKind::kRadial: return saturate(std::atan2(p.y, p.x) * kInvTwoPi + 0.5f);
+    case GradientKind::kDiagonal:
+      return saturate((p.x + p.y) * 0.5f);
+    case GradientKind::kSpherical:
+      return sphere();
+    case GradientKind::kQuadraticSphere:
+      return square(sphere());
+    case GradientKind::kRadial:
+      return saturate(std::atan2(p.y, p.x) * kInvTwoPi + 0.5f);
   }
   return 0.0f;
 }
@@ -78,10 +85,17 @@ float wave(Vec3f p, const Wave& w) {
   float n;
   if (w.kind == WaveKind::kBands) {
     switch (w.direction) {
-      case WaveDirection::kX: n = p.x * 20.0f; break;
-      case WaveDirection::kY: n = p.y * 20.0f; break;
-      case WaveDirection::kZ: n = p.z * 20.0f; break;
-      default: n = (p.x + p.y + p.z) * 10.0f;
+      case WaveDirection::kX:
+        n = p.x * 20.0f;
+        break;
+      case WaveDirection::kY:
+        n = p.y * 20.0f;
+        break;
+      case WaveDirection::kZ:
+        n = p.z * 20.0f;
+        break;
+      default:
+        n = (p.x + p.y + p.z) * 10.0f;
     }
   } else {
     Vec3f r = p;
@@ -120,16 +134,35 @@ Color magic(Vec3f p, float scale, int depth, float distortion) {
   }
   for (int round = 0; round < std::min(depth, 10); ++round) {
     switch (round) {
-      case 0: y = -std::cos(x - y + z) * distortion; break;
-      case 1: x = std::cos(x - y - z) * distortion; break;
-      case 2: z = std::sin(-x - y - z) * distortion; break;
-      case 3: x = -std::cos(-x + y - z) * distortion; break;
-      case 4: y = -std::sin(-x + y + z) * distortion; break;
-      case 5: y = -std::cos(-x + y + z) * distortion; break;
-      case 6: x = std::cos(x + y + z) * distortion; break;
-      case 7: z = std::sin(x + y - z) * distortion; break;
-      case 8: x = -std::cos(-x - y + z) * distortion; break;
-      default: y = -std::sin(x - y + z) * distortion;
+      case 0:
+        y = -std::cos(x - y + z) * distortion;
+        break;
+      case 1:
+        x = std::cos(x - y - z) * distortion;
+        break;
+      case 2:
+        z = std::sin(-x - y - z) * distortion;
+        break;
+      case 3:
+        x = -std::cos(-x + y - z) * distortion;
+        break;
+      case 4:
+        y = -std::sin(-x + y + z) * distortion;
+        break;
+      case 5:
+        y = -std::cos(-x + y + z) * distortion;
+        break;
+      case 6:
+        x = std::cos(x + y + z) * distortion;
+        break;
+      case 7:
+        z = std::sin(x + y - z) * distortion;
+        break;
+      case 8:
+        x = -std::cos(-x - y + z) * distortion;
+        break;
+      default:
+        y = -std::sin(x - y + z) * distortion;
     }
   }
   if (distortion != 0.0f) {
@@ -155,9 +188,9 @@ Vec3f white_noise(int dimensions, Vec4f p, bool color) {
                            hash_floats(x, y, z, 2.0f)}
                    : splat(hash_floats(x, y, z));
     default:
-      return color ? Vec3f{hash_floats(x, y, z, w), hash_floats(z, x, w, y),
-                           hash_floats(w, z, y, x)}
-                   : splat(hash_floats(x, y, z, w));
+      return color
+                 ? Vec3f{hash_floats(x, y, z, w), hash_floats(z, x, w, y), hash_floats(w, z, y, x)}
+                 : splat(hash_floats(x, y, z, w));
   }
 }
 

@@ -13,7 +13,13 @@ float checker(Vec3f p);
 
 // In the order of the nodes' enum items.
 enum class GradientKind : uint8_t {
-  kLinear, kQuadratic, kEasing, kDiagonal, kSpherical, kQuadraticSphere, kRadial,
+  kLinear,
+  kQuadratic,
+  kEasing,
+  kDiagonal,
+  kSpherical,
+  kQuadraticSphere,
+  kRadial,
 };
 float gradient_texture(GradientKind kind, Vec3f p);  // [0, 1]
 

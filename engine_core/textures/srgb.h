@@ -14,8 +14,8 @@ class SrgbTable {
 
   SrgbTable() {
     for (int i = 0; i <= kIntervals; ++i) {
-      values_[static_cast<size_t>(i)] = static_cast<float>(decode(static_cast<double>(i) /
-                                                                  kIntervals));
+      values_[static_cast<size_t>(i)] =
+          static_cast<float>(decode(static_cast<double>(i) / kIntervals));
     }
     values_[kIntervals + 1] = 1.0f;
   }

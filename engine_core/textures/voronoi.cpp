@@ -98,7 +98,8 @@ float distance(const Point<N>& a, const Point<N>& b, const VoronoiParams& params
     return std::abs(a[0] - b[0]);
   }
   switch (params.metric) {
-    case VoronoiMetric::kEuclidean: return std::sqrt(squared_length<N>(minus<N>(a, b)));
+    case VoronoiMetric::kEuclidean:
+      return std::sqrt(squared_length<N>(minus<N>(a, b)));
     case VoronoiMetric::kManhattan:
       for (size_t d = 0; d < N; ++d) {
         sum += std::abs(a[d] - b[d]);
@@ -408,10 +409,14 @@ VoronoiCell evaluate(const Point<N>& p, const VoronoiParams& params) {
 
 VoronoiCell voronoi_texture(int dimensions, Vec4f p, const VoronoiParams& params) {
   switch (dimensions) {
-    case 1: return evaluate<1>({p.w}, params);
-    case 2: return evaluate<2>({p.x, p.y}, params);
-    case 3: return evaluate<3>({p.x, p.y, p.z}, params);
-    default: return evaluate<4>({p.x, p.y, p.z, p.w}, params);
+    case 1:
+      return evaluate<1>({p.w}, params);
+    case 2:
+      return evaluate<2>({p.x, p.y}, params);
+    case 3:
+      return evaluate<3>({p.x, p.y, p.z}, params);
+    default:
+      return evaluate<4>({p.x, p.y, p.z, p.w}, params);
   }
 }
 

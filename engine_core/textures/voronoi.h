@@ -17,9 +17,9 @@ struct VoronoiParams {
   VoronoiFeature feature = VoronoiFeature::kF1;
   VoronoiMetric metric = VoronoiMetric::kEuclidean;
   bool normalize = false;
-  float scale = 5.0f;       // coordinates come multiplied by it, positions are divided by it
-  float detail = 0.0f;      // [0, 15]
-  float roughness = 0.5f;   // [0, 1]
+  float scale = 5.0f;      // coordinates come multiplied by it, positions are divided by it
+  float detail = 0.0f;     // [0, 15]
+  float roughness = 0.5f;  // [0, 1]
   float lacunarity = 2.0f;
   float smoothness = 0.5f;  // [0, 0.5]: half the socket's value
   float exponent = 0.5f;    // of the Minkowski metric
@@ -29,7 +29,7 @@ struct VoronoiParams {
 struct VoronoiCell {
   float distance = 0;  // or the radius
   Color color;
-  Vec4f position;      // one dimension: in w; two: in x and y
+  Vec4f position;  // one dimension: in w; two: in x and y
 };
 
 // One dimension reads p.w, two read x and y.

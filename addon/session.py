@@ -61,7 +61,10 @@ class FinalRender:
         scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         called = time.perf_counter()
         engine.update_stats("", "Reading the scene")
-        self._sync.mark(depsgraph)
+        if scene.render.use_persistent_data:
+            self._sync.mark(depsgraph)
+        else:
+            self._sync = SceneSync()
         film = film_settings(scene)
         options = SyncOptions(border=not engine.is_preview, camera=engine.camera_override, **film)
         description = self._sync.apply(depsgraph, options)

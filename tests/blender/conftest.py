@@ -74,8 +74,9 @@ def make(empty_scene: Any) -> SimpleNamespace:
 @pytest.fixture
 def export(empty_scene: Any) -> Any:
     """Exports the context's scene: (description, messages), validated."""
-    from addon.export import export_scene
     from engine_core.validation import validate
+
+    from addon.export import export_scene
 
     def run(**options: Any) -> Any:
         description, messages = export_scene(bpy.context.evaluated_depsgraph_get(), **options)

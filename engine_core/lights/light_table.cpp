@@ -52,17 +52,18 @@ LightBounds lamp_bounds(const Lamp& lamp) {
   switch (lamp.kind) {
     case LightKind::kSun:
     case LightKind::kPoint:
-      b.cos_o = -1.0f;
+      b.angle_o = kPi;
       break;
     case LightKind::kSpot:
-      b.cos_e = 1.0f - lamp.one_minus_cos_spread;
+      // 1 - cos is 2 sin^2 of half the angle.
+      b.angle_e = 2.0f * std::asin(std::sqrt(std::min(0.5f * lamp.one_minus_cos_spread, 1.0f)));
       break;
     case LightKind::kArea:
       half = abs(lamp.axis_u) * lamp.half_u + abs(lamp.axis_v) * lamp.half_v;
       if (lamp.delta) {
-        b.cos_e = 1.0f;
+        b.angle_e = 0.0f;
       } else if (lamp.spreads) {
-        b.cos_e = 1.0f / std::hypot(1.0f, lamp.tan_half_spread);
+        b.angle_e = std::atan(lamp.tan_half_spread);
       }
       break;
   }

@@ -7,7 +7,8 @@
 namespace vernier {
 namespace {
 
-constexpr float kAxisScale = 32767.0f;
+constexpr int16_t kAxisUnits = 32767;
+constexpr float kAxisScale = kAxisUnits;
 // Cosines here come from square roots of rounded differences: they are good to sqrt(u).
 constexpr float kCosineSlack = 0x1p-10f;
 // Least share of a branch that reaches the receiver at all: an importance is a guess that knows
@@ -30,6 +31,11 @@ Angle subtract(Angle a, Angle b) {
   return {a.cosine * b.cosine + a.sine * b.sine, a.sine * b.cosine - a.cosine * b.sine};
 }
 
+// cos of max(a - b, 0), from the cosine of a in [0, pi].
+float least_cosine(float cos_a, Angle b) {
+  return cos_a >= b.cosine ? 1.0f : cos_a * b.cosine + sine_of(cos_a) * b.sine;
+}
+
 // True where all of a box lies behind the plane through p with normal n.
 bool box_behind(Vec3f center, Vec3f half, Vec3f p, Vec3f n) {
   const Vec3f a = abs(n);
@@ -44,13 +50,12 @@ float diagonal2(const LightBounds& b) { return length_squared(b.upper - b.lower)
 // The measure of the directions that a cone of normals shines to, weighted by the cosine at its
 // edge (Conty Estevez and Kulla 2018, equation 1).
 float orientation_measure(const LightBounds& b) {
-  const float o = std::acos(clamp(b.cos_o, -1.0f, 1.0f));
-  const float e = std::acos(clamp(b.cos_e, -1.0f, 1.0f));
-  const float w = std::min(o + e, kPi);
-  const float sin_o = std::sin(o);
+  const float o = b.angle_o;
+  const float w = std::min(o + b.angle_e, kPi);
+  const float cos_o = std::cos(o);
   const float measure =
-      kTwoPi * (1.0f - b.cos_o) +
-      0.5f * kPi * (2.0f * w * sin_o - std::cos(o - 2.0f * w) - 2.0f * o * sin_o + b.cos_o);
+      kTwoPi * (1.0f - cos_o) +
+      0.5f * kPi * (2.0f * (w - o) * std::sin(o) - std::cos(o - 2.0f * w) + cos_o);
   return b.two_sided ? 2.0f * measure : measure;
 }
 
@@ -71,33 +76,35 @@ LightBounds merge(const LightBounds& a, const LightBounds& b) {
   LightBounds r;
   r.lower = min(a.lower, b.lower);
   r.upper = max(a.upper, b.upper);
-  r.cos_e = std::min(a.cos_e, b.cos_e);
+  r.angle_e = std::max(a.angle_e, b.angle_e);
   r.intensity = a.intensity + b.intensity;
   r.two_sided = a.two_sided || b.two_sided;
   // The cone about both (Conty Estevez and Kulla 2018, section 4.1). What shines both ways may as
   // well be turned around.
   const bool turn = a.two_sided && b.two_sided && dot(a.axis, b.axis) < 0.0f;
   const Vec3f axis_b = turn ? -b.axis : b.axis;
-  const bool a_wider = a.cos_o <= b.cos_o;
-  const Vec3f wide = a_wider ? a.axis : axis_b;
+  const bool a_wider = a.angle_o >= b.angle_o;
+  const float wide_angle = a_wider ? a.angle_o : b.angle_o;
+  const float slim_angle = a_wider ? b.angle_o : a.angle_o;
+  r.axis = a_wider ? a.axis : axis_b;
+  r.angle_o = wide_angle;
+  if (wide_angle >= kPi) {
+    return r;
+  }
   const Vec3f slim = a_wider ? axis_b : a.axis;
-  const float angle_wide = std::acos(clamp(a_wider ? a.cos_o : b.cos_o, -1.0f, 1.0f));
-  const float angle_slim = std::acos(clamp(a_wider ? b.cos_o : a.cos_o, -1.0f, 1.0f));
-  const float between = std::atan2(length(cross(wide, slim)), dot(wide, slim));
-  r.axis = wide;
-  if (std::min(between + angle_slim, kPi) <= angle_wide) {
-    r.cos_o = a_wider ? a.cos_o : b.cos_o;
+  const Vec3f sideways = slim - r.axis * dot(slim, r.axis);
+  const float sine = length(sideways);
+  const float between = std::atan2(sine, dot(r.axis, slim));
+  if (std::min(between + slim_angle, kPi) <= wide_angle) {
     return r;
   }
-  const float angle = 0.5f * (angle_wide + between + angle_slim);
-  const Vec3f sideways = slim - wide * dot(slim, wide);
-  if (angle >= kPi || !(length_squared(sideways) > 0.0f)) {
-    r.cos_o = -1.0f;
+  r.angle_o = 0.5f * (wide_angle + between + slim_angle);
+  if (r.angle_o >= kPi || !(sine > 0.0f)) {
+    r.angle_o = kPi;
     return r;
   }
-  const float turn_by = angle - angle_wide;
-  r.axis = normalize(wide * std::cos(turn_by) + normalize(sideways) * std::sin(turn_by));
-  r.cos_o = std::cos(angle);
+  const float turn_by = r.angle_o - wide_angle;
+  r.axis = normalize(r.axis * std::cos(turn_by) + sideways * (std::sin(turn_by) / sine));
   return r;
 }
 
@@ -110,26 +117,29 @@ float LightTree::node_importance(const Node& node, const Receiver& from) {
   const float radius2 = length_squared(node.half);
   float cosines = 1.0f;
   if (distance2 > radius2) {
-    const Vec3f direction = to / std::sqrt(distance2);
+    const Vec3f direction = to * (1.0f / std::sqrt(distance2));
     // The angle that the sphere about the box fills.
     const float sin2_b = radius2 / distance2;
     const Angle b{std::sqrt(1.0f - sin2_b), std::sqrt(sin2_b)};
     // The least angle between the light and the receiver's normal.
-    float cos_i = clamp(dot(from.ns, direction), -1.0f, 1.0f);
-    cos_i = from.transmits ? std::abs(cos_i) : cos_i;
-    const Angle i = subtract({cos_i, sine_of(cos_i)}, b);
-    // The least angle between a normal of the lights and the receiver.
-    const Vec3f axis{static_cast<float>(node.axis[0]), static_cast<float>(node.axis[1]),
-                     static_cast<float>(node.axis[2])};
-    float cos_w = clamp(dot(axis, direction) * (-1.0f / kAxisScale), -1.0f, 1.0f);
-    cos_w = node.two_sided ? std::abs(cos_w) : cos_w;
-    const float cos_o = static_cast<float>(node.cos_o) * (1.0f / kAxisScale);
-    const Angle x = subtract(subtract({cos_w, sine_of(cos_w)}, {cos_o, sine_of(cos_o)}), b);
-    if (x.cosine < static_cast<float>(node.cos_e) * (1.0f / kAxisScale) - kCosineSlack) {
-      return 0.0f;
-    }
+    const float cos_i = dot(from.ns, direction);
     cosines =
-        std::max(i.cosine, kImportanceCosineFloor) * std::max(x.cosine, kImportanceCosineFloor);
+        std::max(least_cosine(from.transmits ? std::abs(cos_i) : cos_i, b), kImportanceCosineFloor);
+    if (node.cos_o > -kAxisUnits) {
+      // The least angle between a normal of the lights and the receiver.
+      constexpr float unit = 1.0f / static_cast<float>(kAxisUnits);
+      const Vec3f axis{static_cast<float>(node.axis[0]), static_cast<float>(node.axis[1]),
+                       static_cast<float>(node.axis[2])};
+      float cos_w = clamp(-unit * dot(axis, direction), -1.0f, 1.0f);
+      cos_w = node.two_sided != 0 ? std::abs(cos_w) : cos_w;
+      const Angle o{unit * static_cast<float>(node.cos_o), unit * static_cast<float>(node.sin_o)};
+      const Angle x = subtract({cos_w, sine_of(cos_w)}, o);
+      const float cos_x = x.cosine >= b.cosine ? 1.0f : x.cosine * b.cosine + x.sine * b.sine;
+      if (cos_x < unit * static_cast<float>(node.cos_e) - kCosineSlack) {
+        return 0.0f;
+      }
+      cosines *= std::max(cos_x, kImportanceCosineFloor);
+    }
   }
   return clamp(node.intensity * cosines / std::max(distance2, radius2), kSmallestImportance,
                kLargestImportance);
@@ -236,6 +246,7 @@ class LightTreeBuilder {
 
  private:
   static constexpr int kBins = 12;
+  static constexpr uint32_t kSplitSamples = 256;
 
   LightBounds build(uint32_t begin, uint32_t end, int depth) {
     const auto node = static_cast<uint32_t>(tree_.nodes_.size());
@@ -271,7 +282,7 @@ class LightTreeBuilder {
     if (!(extent[widest] > 0.0f)) {
       return begin + (end - begin) / 2;
     }
-    if (depth < greedy_depth_) {
+    if (depth < greedy_depth_ && end - begin > kExactLeaves) {
       float best_cost = kInfinity;
       int best_axis = -1, best_bin = 0;
       for (int axis = 0; axis < 3; ++axis) {
@@ -305,26 +316,37 @@ class LightTreeBuilder {
                  float widest_extent, float& best_cost, int& best_axis, int& best_bin) const {
     std::array<LightBounds, kBins> bins;
     std::array<uint32_t, kBins> counts{};
-    for (uint32_t i = begin; i < end; ++i) {
+    // Of many lights, every so many tell where to split.
+    const uint32_t stride = std::max((end - begin) / kSplitSamples, 1u);
+    uint32_t sampled = 0;
+    for (uint32_t i = begin; i < end; i += stride) {
       const auto bin = static_cast<size_t>(bin_of(order_[i], axis, lower, extent));
       bins[bin] = merge(bins[bin], bounds_[order_[i]]);
       ++counts[bin];
+      ++sampled;
     }
     std::array<float, kBins> right_cost{};
     LightBounds right;
     for (size_t bin = kBins - 1; bin > 0; --bin) {
-      right = merge(right, bins[bin]);
-      right_cost[bin] = right.intensity > 0.0f ? cost_of(right) : 0.0f;
+      if (counts[bin] > 0) {
+        right = merge(right, bins[bin]);
+        right_cost[bin] = cost_of(right);
+      } else if (bin + 1 < kBins) {
+        right_cost[bin] = right_cost[bin + 1];
+      }
     }
     LightBounds left;
     uint32_t left_count = 0;
     // Thin boxes are discouraged (Conty Estevez and Kulla 2018, equation 2).
     const float regularity = widest_extent / extent;
     for (size_t bin = 0; bin + 1 < kBins; ++bin) {
+      if (counts[bin] == 0) {
+        continue;
+      }
       left = merge(left, bins[bin]);
       left_count += counts[bin];
-      if (left_count == 0 || left_count == end - begin) {
-        continue;
+      if (left_count == sampled) {
+        break;
       }
       const float cost = regularity * (cost_of(left) + right_cost[bin + 1]);
       if (cost < best_cost) {
@@ -348,8 +370,11 @@ class LightTreeBuilder {
     const auto below = [](float cosine) {
       return static_cast<int16_t>(std::max(std::floor(cosine * kAxisScale) - 2.0f, -kAxisScale));
     };
-    node.cos_o = below(b.cos_o);
-    node.cos_e = below(b.cos_e);
+    // Of the lowered cosine the sine too: the cone is that much wider. -1: shines all around.
+    node.cos_o = b.angle_o >= kPi ? static_cast<int16_t>(-kAxisUnits) : below(std::cos(b.angle_o));
+    const float cos_o = static_cast<float>(node.cos_o) / kAxisScale;
+    node.sin_o = static_cast<int16_t>(std::lround(kAxisScale * sine_of(cos_o)));
+    node.cos_e = below(std::cos(b.angle_e));
     node.two_sided = b.two_sided ? 1 : 0;
     node.is_leaf = is_leaf ? 1 : 0;
     node.intensity = b.intensity;

@@ -17,9 +17,9 @@ namespace vernier {
 struct LightBounds {
   Vec3f lower{kInfinity, kInfinity, kInfinity};
   Vec3f upper{-kInfinity, -kInfinity, -kInfinity};
-  Vec3f axis{0, 0, 1};  // unit; normals lie within angle o of it, light within e of a normal
-  float cos_o = 1;
-  float cos_e = 0;
+  Vec3f axis{0, 0, 1};  // unit; normals lie within angle_o of it and light within angle_e of
+  float angle_o = 0;    // a normal; radians
+  float angle_e = 0.5f * kPi;
   float intensity = 0;     // largest, per steradian, on a scale common to all lights
   bool two_sided = false;  // shines along minus the normals too
 };
@@ -52,11 +52,11 @@ class LightTree {
 
  private:
   friend class LightTreeBuilder;
-  // In preorder: the left child follows its parent. 44 bytes.
+  // In preorder: the left child follows its parent. 48 bytes.
   struct Node {
     Vec3f center, half;           // of the box
     std::array<int16_t, 3> axis;  // in units of 1/32767; the cone holds its rounding
-    int16_t cos_o, cos_e;
+    int16_t cos_o, sin_o, cos_e;
     uint8_t two_sided, is_leaf;
     float intensity;
     uint32_t link;  // inner: the right child; leaf: the light

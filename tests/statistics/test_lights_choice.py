@@ -126,10 +126,8 @@ def cosine_weighted(at: np.ndarray) -> Callable[[Samples], np.ndarray]:
 
     def value(s: Samples) -> np.ndarray:
         cosine = s.wi @ ns
-        if at[9] > 0:
-            cosine = abs(cosine)
-        else:
-            cosine = np.where(s.wi @ ng > 0, np.maximum(cosine, 0), 0)
+        in_front = np.where(s.wi @ ng > 0, np.maximum(cosine, 0), 0)
+        cosine = abs(cosine) if at[9] > 0 else in_front
         return np.where(s.valid, s.radiance.mean(1) * cosine / np.maximum(s.pdf, 1e-30), 0)
 
     return value

@@ -62,7 +62,7 @@ def test_everything_is_finite(
             assert np.linalg.norm(s.wi[s.valid], axis=1) == pytest.approx(1, abs=1e-5)
             if kind != "SUN":
                 assert np.isfinite(s.distance[s.valid]).all()
-            hits, radiance, pdf = met(scene, at, np.concatenate([s.wi[s.valid], -p[None]]))
+            _, radiance, pdf = met(scene, at, np.concatenate([s.wi[s.valid], -p[None]]))
             assert np.isfinite(radiance).all()
             assert np.isfinite(pdf).all()
     e = Emissions(probe.sample_emission(scene, uniforms(rng, 200, 5)))

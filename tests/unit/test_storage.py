@@ -116,6 +116,12 @@ def _write(path: Path, header: Any, data: np.ndarray | None = None) -> None:
         np.savez(file, header=raw, data=np.zeros(0, np.uint8) if data is None else data)
 
 
+def _with_mesh(array: Any) -> Any:
+    """A header whose instances' meshes are an array."""
+    scene = {"instances": {"mesh": {"array": array}}}
+    return {"format": FORMAT, "version": 1, "scene": scene}
+
+
 @pytest.mark.parametrize(
     ("header", "pattern"),
     [
@@ -126,11 +132,11 @@ def _write(path: Path, header: Any, data: np.ndarray | None = None) -> None:
         ({"format": FORMAT, "version": 1, "scene": {"lamps": []}}, "SceneDescription is malformed"),
         ({"format": FORMAT, "version": 1, "scene": {"film": {"width": 0}}}, "breaks a rule"),
         (
-            {"format": FORMAT, "version": 1, "scene": {"instances": {"mesh": {"array": ["int32", [4], 0]}}}},
+            _with_mesh(["int32", [4], 0]),
             "reaches beyond the data",
         ),
         (
-            {"format": FORMAT, "version": 1, "scene": {"instances": {"mesh": {"array": ["object", [1], 0]}}}},
+            _with_mesh(["object", [1], 0]),
             "an array is malformed",
         ),
     ],

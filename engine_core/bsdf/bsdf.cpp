@@ -85,7 +85,16 @@ float Bsdf::see_all(const SurfaceSide& side, RawArray<LobeSide, kMaxLobes>& seen
   float total = transparent;
   for (int i = 0; i < count_; ++i) {
     const Lobe& lobe = lobes_[i];
-    seen[i] = see_lobe(lobe, lobe.above < 0 ? splat(1.0f) : below[lobe.above], side, below[i]);
+    const Color above = lobe.above < 0 ? splat(1.0f) : below[lobe.above];
+    if (lobe.kind == LobeKind::kLambert) {  // what see_lobe does, for the commonest base
+      LobeSide& base = seen[i];
+      base.normal = lobe.normal * side.sign;
+      base.scale = min(lobe.weight * above, splat(kMaxWeight));
+      base.select = average(base.scale);
+      base.energy = 1.0f;
+    } else {
+      seen[i] = see_lobe(lobe, above, side, below[i]);
+    }
     total += seen[i].select;
   }
   if (!(total > 0.0f)) {

@@ -103,8 +103,8 @@ struct Dielectrics {
   }
 };
 
-// Their albedos at one roughness and angle, and the means of fresnel_blend over the facets that
-// reflect upward.
+// Their albedos at one roughness and angle, and the means of (F - F0) / (1 - F0) over the facets
+// that reflect upward.
 struct DielectricSums {
   std::array<float, kLanes> albedo{}, blend{};
 };

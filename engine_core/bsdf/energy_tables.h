@@ -23,7 +23,7 @@ struct EnergyTables {
   std::array<float, kFine> reflection_average;  // over the cosine-weighted hemisphere
   std::array<float, kVolume> glass[2];          // index above 1; and its inverse
   std::array<float, kPlane> glass_average[2];   // axes: roughness, ior_axis()
-  std::array<float, kVolume> dielectric_blend;  // mean of fresnel_blend
+  std::array<float, kVolume> dielectric_blend;  // mean of (F - F0) / (1 - F0)
   std::array<float, kPlane> schlick_blend;      // mean of Schlick's (1-cos)^5; no third axis
 
   EnergyTables();

@@ -38,9 +38,18 @@ inline PolarizedFresnel fresnel_polarized(float cos_i, float eta) {
           amplitude_p >= 0.0f ? 1.0f : -1.0f, -cos_t};
 }
 
+// The mean of both polarisations, with a single division.
 inline float fresnel_dielectric(float cos_i, float eta) {
-  const PolarizedFresnel f = fresnel_polarized(cos_i, eta);
-  return 0.5f * (f.s + f.p);
+  const float c = std::abs(cos_i), eta2 = eta * eta;
+  const float g2 = eta2 - (1.0f - c * c);
+  if (!(g2 > 0.0f)) {
+    return 1.0f;  // total internal reflection
+  }
+  const float g = std::sqrt(g2), q = eta2 * c;
+  // s = (c - g) / (c + g), p = (q - g) / (q + g)
+  const float s = (c - g) * (q + g), p = (q - g) * (c + g);
+  const float d = square((c + g) * (q + g));
+  return d > 0.0f ? std::min(0.5f * (s * s + p * p) / d, 1.0f) : 1.0f;  // 0: all underflows
 }
 
 // Average of fresnel_dielectric over the cosine-weighted hemisphere: the fit of Kulla and Conty,
@@ -127,13 +136,6 @@ inline Color conductor_average(Color n, Color k) {
   const Color b{f82_b(f0.x, f82.x), f82_b(f0.y, f82.y), f82_b(f0.z, f82.z)};
   const Color f = f82_average(f0, b);
   return {saturate(f.x), saturate(f.y), saturate(f.z)};
-}
-
-// How far the dielectric reflectance has gone from its value at normal incidence to 1: what blends
-// a chosen f0 to white (Cycles' generalised Schlick term with the real Fresnel curve).
-inline float fresnel_blend(float cos_i, float eta) {
-  const float f0 = f0_from_ior(eta);
-  return f0 < 1.0f ? saturate((fresnel_dielectric(cos_i, eta) - f0) / (1.0f - f0)) : 1.0f;
 }
 
 }  // namespace vernier

@@ -57,6 +57,8 @@ struct Lobe : LobeTraits {
   Color f0, b;
   Color reflection_tint, transmission_tint;
   ThinFilm film;
+  // kSchlick: the true curve's value at normal incidence, and 1 / (1 - that).
+  float true_f0 = 0.0f, blend_scale = 0.0f;
   float roughness = 0.0f;       // coordinate in the energy tables
   float ior_axis = 0.0f;        // likewise, of eta or its inverse
   Color average_fresnel;        // Fss of Kulla and Conty: compensate

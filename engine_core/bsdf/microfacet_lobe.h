@@ -36,7 +36,11 @@ inline FresnelSplit lobe_fresnel(const Lobe& lobe, float cos_h, float eta, float
     case FresnelKind::kDielectric:
       return {splat(fresnel_dielectric(cos_h, eta)), {}};
     case FresnelKind::kSchlick: {
-      const Color f = lerp(lobe.f0, splat(1.0f), fresnel_blend(cos_h, eta));
+      // How far the true reflectance has gone to 1 takes f0 as far to white (Cycles' generalised
+      // Schlick term).
+      const float curve = fresnel_dielectric(cos_h, eta);
+      const Color f =
+          lerp(lobe.f0, splat(1.0f), saturate((curve - lobe.true_f0) * lobe.blend_scale));
       return {f * lobe.reflection_tint, (splat(1.0f) - f) * lobe.transmission_tint};
     }
     case FresnelKind::kF82:

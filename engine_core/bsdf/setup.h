@@ -75,6 +75,10 @@ inline void finish_microfacet(Lobe& lobe, bool compensate, Color average_fresnel
   lobe.roughness = lobe.alpha_x == lobe.alpha_y ? std::sqrt(lobe.alpha_x)
                                                 : std::sqrt(std::sqrt(lobe.alpha_x * lobe.alpha_y));
   lobe.ior_axis = ior_axis(lobe.eta);
+  if (lobe.fresnel == FresnelKind::kSchlick || lobe.thin) {
+    lobe.true_f0 = square(square(lobe.ior_axis));  // see f0_from_ior
+    lobe.blend_scale = lobe.true_f0 < 1.0f ? 1.0f / (1.0f - lobe.true_f0) : 0.0f;
+  }
   const bool refracts = lobe.kind != LobeKind::kReflection;
   if (lobe.alpha_x * lobe.alpha_y <= kSingularAlphaProduct ||
       (refracts && std::abs(lobe.eta - 1.0f) < kMatchedIor)) {

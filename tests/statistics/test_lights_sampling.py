@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from engine_core.description import Graph, Image, Link, Node, World
 from light_probes import (
     assert_samples_follow_density,
     compiled,
     met,
     receiver,
     sample,
+    unit,
 )
 from scenes import SceneBuilder, background, emission, look_at, mesh, placed
 
@@ -188,3 +190,57 @@ def test_dark_sides_are_not_sampled(rng: np.random.Generator) -> None:
         (lambda: spot(0.1, False, 30), (3, 0, 2.9)),  # beside the cone
     ]:
         assert not sample(compiled(make()), receiver(p), rng, 200).valid.any()
+
+
+def pictured(kind: str, vector: str) -> Graph:
+    """A shader whose colour is image 0 by an output of the texture coordinates."""
+    texture = {"ShaderNodeBackground": "ShaderNodeTexEnvironment"}.get(kind, "ShaderNodeTexImage")
+    output = {"ShaderNodeBackground": "Background"}.get(kind, "Emission")
+    return Graph(
+        [
+            Node("ShaderNodeTexCoord"),
+            Node(
+                texture,
+                inputs={"Vector": Link(0, vector)},
+                params={"image": 0, "interpolation": "Linear", "projection": "EQUIRECTANGULAR"}
+                if texture == "ShaderNodeTexEnvironment"
+                else {"image": 0, "interpolation": "Linear"},
+            ),
+            Node(kind, inputs={"Color": Link(1, "Color"), "Strength": 2.0}),
+        ],
+        Link(2, output),
+    )
+
+
+def test_a_world_with_an_image(rng: np.random.Generator) -> None:
+    """A dim sky with a bright spot: its map is followed, and its light adds up."""
+    builder = SceneBuilder()
+    pixels = np.full((32, 64, 3), 0.1, np.float32)
+    pixels[22:24, 40:43] = (90, 60, 30)
+    builder.description.images = [Image("sky", pixels, "linear")]
+    builder.description.world = World(pictured("ShaderNodeBackground", "Generated"))
+    scene = compiled(builder)
+    at = receiver((0, 0, 0), (0.2, 0.1, 1.0))
+    s = assert_samples_follow_density(scene, at, rng, fine=64)
+    value = np.where(s.valid, s.radiance[:, 0] / np.maximum(s.pdf, 1e-30), 0)
+    d = unit(rng.normal(size=(400_000, 3)))
+    uniform = met(scene, at, d)[1] * 4 * np.pi
+    error = np.hypot(value.std() / np.sqrt(len(value)), uniform.std() / np.sqrt(len(uniform)))
+    assert abs(value.mean() - uniform.mean()) < 4.5 * error
+    assert value.std() < 0.5 * value.mean()  # the radiance is followed closely
+
+
+def test_a_triangle_with_an_image(rng: np.random.Generator) -> None:
+    """What its samples bring is what rays to it find."""
+    builder = SceneBuilder()
+    pixels = rng.random((8, 8, 3)).astype(np.float32) ** 4 * 20
+    builder.description.images = [Image("panel", pixels, "linear")]
+    shape = mesh("panel", [(-1, -1, 1), (1, -1, 1.2), (0, 1, 1)], [(0, 1, 2)])
+    builder.add(shape, pictured("ShaderNodeEmission", "Generated"))
+    scene = compiled(builder)
+    at = receiver((0.1, 0.2, 0))
+    s = assert_samples_follow_density(scene, at, rng)
+    hits, radiance, _ = met(scene, at, s.wi[s.valid])
+    ok = hits == 1
+    assert np.median(abs(radiance[ok] / s.radiance[s.valid][ok, 0] - 1)) < 1e-4
+    assert s.radiance[s.valid].std() > 0.1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ def to_scene_linear(pixels: NDArray[Any], space: str) -> FloatArray | None:
 @cache
 def _processor(space: str) -> Any:
     """OpenColorIO's CPU processor from `space` to scene linear; None: not to be had."""
+    _find_blenders_modules()
     try:
         import PyOpenColorIO
     except ImportError:
@@ -46,6 +48,14 @@ def _processor(space: str) -> Any:
         return config.getProcessor(space, "scene_linear").getDefaultCPUProcessor()
     except PyOpenColorIO.Exception:
         return None
+
+
+def _find_blenders_modules() -> None:
+    """Blender as a module carries PyOpenColorIO in a folder of its own, off the path."""
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    python = bpy.utils.system_resource("PYTHON", path=f"lib/{version}/site-packages")
+    if python and python not in sys.path:
+        sys.path.append(python)
 
 
 def srgb_to_linear(values: FloatArray) -> FloatArray:

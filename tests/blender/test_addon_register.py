@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-import engine_core
 import pytest
 
 import addon
+import engine_core
 from addon import core as core_module
 from addon import panels
 

@@ -81,9 +81,8 @@ def test_linear_bytes(empty_scene: Any, space: str) -> None:
     assert result.alpha == ("CHANNEL_PACKED" if space == "Non-Color" else "STRAIGHT")
 
 
-def test_other_spaces_become_linear_floats(empty_scene: Any) -> None:
-    pytest.importorskip("PyOpenColorIO")
-    image = _new("Wide")
+def test_other_spaces_become_linear_floats(empty_scene: Any, tmp_path: Path) -> None:
+    image = _saved(_new("Wide"), tmp_path / "wide.png", "PNG")
     image.colorspace_settings.name = "Linear Rec.2020"
     result, messages = _read(image)
     assert (result.encoding, messages) == ("linear", [])

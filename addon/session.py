@@ -66,7 +66,11 @@ class FinalRender:
         else:
             self._sync = SceneSync()
         film = film_settings(scene)
-        options = SyncOptions(border=not engine.is_preview, camera=engine.camera_override, **film)
+        passes = wanted_passes(layer)
+        keep_uv = any(item.name == "UV" for item in passes)
+        options = SyncOptions(
+            border=not engine.is_preview, keep_uv=keep_uv, camera=engine.camera_override, **film
+        )
         description = self._sync.apply(depsgraph, options)
         messages = self._sync.report.messages
         if description.camera is None:
@@ -78,8 +82,6 @@ class FinalRender:
         engine.update_stats("", "Building")
         described = time.perf_counter()
         threads = int(values.get("threads", 0))
-        passes = wanted_passes(layer)
-        keep_uv = any(item.name == "UV" for item in passes)
         compiled = self._compile(description, threads, keep_uv)
         built = time.perf_counter()
         messages = [*messages, *compiled.warnings]

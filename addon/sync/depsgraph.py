@@ -44,6 +44,7 @@ class SyncOptions:
     filter_width: float | None = None  # pixels; None: the scene's own
     exposure: float = 1.0
     border: bool = True
+    keep_uv: bool = False  # the UV pass reads every mesh's active UV map
     camera: bpy.types.Object | None = None  # evaluated; None: the scene's
     camera_matrix: Matrix | None = None  # None: the camera object's
 
@@ -163,6 +164,8 @@ class _Pass:
             slots = tuple(self._material(material) for material in use.materials)
             use_sets.append(sets.setdefault(slots, len(sets)))
             needed = frozenset().union(*(self.reads[i] for i in slots if i >= 0))
+            if self.options.keep_uv:
+                needed |= {AttributeRead("uv", "")}
             reads[use.mesh_key] = reads.get(use.mesh_key, frozenset()) | needed
         result.material_sets = [list(slots) for slots in sets]
         result.objects = [_object(use) for use in collected.uses]

@@ -126,6 +126,26 @@ def test_passes_have_the_names_of_this_blender(lit: Any, tmp_path: Path) -> None
     assert set(names) == {"Combined", "Depth", "Error"} | light
 
 
+def test_the_uv_pass_reads_the_active_map(lit: Any) -> None:
+    layer = bpy.data.meshes["Half"].uv_layers.new(name="Map")
+    layer.data.foreach_set("uv", [0, 0, 1, 0, 1, 1, 0, 1])
+    bpy.context.view_layer.use_pass_uv = True
+    values: list[Any] = []
+    original = session_module.FinalRender._render
+
+    def spy(self: Any, session: Any, picture: Any) -> Any:
+        progress = original(self, session, picture)
+        values.append(session.read("UV", 16, 24, 1, 1)[0, 0])
+        return progress
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session_module.FinalRender, "_render", spy)
+        bpy.ops.render.render()
+    # The pixel's middle lies at x = 4 (16.5 / 64 - 0.5), on a mesh from -9 to 0; y alike.
+    x, y = 4.0 * (16.5 / 64 - 0.5), 4.0 * (24.5 - 24) / 64
+    np.testing.assert_allclose(values[0], ((x + 9) / 9, (y + 9) / 18, 1.0), atol=0.01)
+
+
 def test_animation_reads_each_frame(lit: Any, make: Any) -> None:
     item = bpy.data.objects["Half"]
     for frame, height in ((1, 0.0), (2, -1.0)):

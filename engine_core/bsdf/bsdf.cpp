@@ -75,13 +75,14 @@ Color Bsdf::attenuation(int layer) const {
   }
   Color below = splat(1.0f);
   const SurfaceSide side{ng_, wo_, 1.0f};
-  see_lobe(lobes_[layer], attenuation(lobes_[layer].above), side, below);
+  see_lobe(lobes_[layer], attenuation(lobes_[layer].above), side, false, below);
   return below;
 }
 
 float Bsdf::see_all(const SurfaceSide& side, RawArray<LobeSide, kMaxLobes>& seen) const {
   RawArray<Color, kMaxLobes> below;
   const float transparent = average(transparency);
+  const bool alone = count_ == 1 && !(transparent > 0.0f);
   float total = transparent;
   for (int i = 0; i < count_; ++i) {
     const Lobe& lobe = lobes_[i];
@@ -93,7 +94,7 @@ float Bsdf::see_all(const SurfaceSide& side, RawArray<LobeSide, kMaxLobes>& seen
       base.select = average(base.scale);
       base.energy = 1.0f;
     } else {
-      seen[i] = see_lobe(lobe, above, side, below[i]);
+      seen[i] = see_lobe(lobe, above, side, alone, below[i]);
     }
     total += seen[i].select;
   }

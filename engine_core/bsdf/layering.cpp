@@ -95,6 +95,38 @@ Color coat_transmittance(const Lobe& coat, float cos_v) {
   return lerp(splat(1.0f), through, std::min(coat.layer_share, 1.0f));
 }
 
+// The part of see_lobe for microfacets. Only where there is a choice between lobes, or something
+// lies below, is the albedo of interest.
+void see_microfacets(const Lobe& lobe, Color above, const SurfaceSide& side, float cos_v,
+                     bool alone, LobeSide& seen, Color& below) {
+  const float eta = eta_from(lobe, side.sign);
+  if (lobe.thin) {
+    const FresnelSplit sheet = thin_sheet(lobe, cos_v);
+    seen.scale *= lobe.mirrored ? sheet.t : sheet.r;
+  }
+  Color darkening = splat(1.0f);
+  if (lobe.compensate) {
+    const Compensation c = compensation(lobe, cos_v, eta);
+    darkening = c.darkening;
+    seen.energy = c.energy;
+  }
+  const Color once = seen.scale * darkening;  // times the albedo of the Fresnel term
+  seen.scale = min(once * seen.energy, splat(kMaxWeight));
+  if (alone) {
+    seen.select = cos_v > 0.0f ? 1.0f : 0.0f;
+    return;
+  }
+  const LobeAlbedo albedo = lobe_albedo(lobe, cos_v, eta, film_ior_from(lobe, side.sign));
+  seen.select = cos_v > 0.0f ? std::min(average(once * (albedo.r + albedo.t)), kMaxWeight) : 0.0f;
+  if (lobe.is_layer) {
+    const float covered = max_component(albedo.r * darkening);
+    below = above * saturate(1.0f - lobe.layer_share * covered);
+    if (lobe.fresnel == FresnelKind::kDielectric) {
+      below *= coat_transmittance(lobe, cos_v);
+    }
+  }
+}
+
 }  // namespace
 
 LobeAlbedo lobe_albedo(const Lobe& lobe, float cos_v, float eta, float film_ior) {
@@ -129,7 +161,8 @@ LobeAlbedo lobe_albedo(const Lobe& lobe, float cos_v, float eta, float film_ior)
   return {f.r, f.t};
 }
 
-LobeSide see_lobe(const Lobe& lobe, Color above, const SurfaceSide& side, Color& below) {
+LobeSide see_lobe(const Lobe& lobe, Color above, const SurfaceSide& side, bool alone,
+                  Color& below) {
   LobeSide seen;
   seen.normal = lobe.normal * side.sign;
   if (lobe.corrected) {
@@ -139,63 +172,29 @@ LobeSide see_lobe(const Lobe& lobe, Color above, const SurfaceSide& side, Color&
   seen.scale = lobe.weight * above;
   seen.energy = 1.0f;
   seen.a = seen.b = 0.0f;
-  Color covered = splat(1.0f);  // albedo as a layer
+  float covered = 1.0f;  // albedo as a layer
   switch (lobe.kind) {
-    case LobeKind::kOrenNayar: {
-      const OrenNayar model(lobe.alpha_x);
-      seen.a = model.albedo(cos_v);
-    } break;
+    case LobeKind::kReflection:
+    case LobeKind::kGlass:
+    case LobeKind::kRefraction:
+      see_microfacets(lobe, above, side, cos_v, alone, seen, below);
+      return seen;
+    case LobeKind::kOrenNayar:
+      seen.a = OrenNayar(lobe.alpha_x).albedo(cos_v);
+      break;
     case LobeKind::kSheen: {
       const SheenTransform t = sheen_transform(cos_v, lobe.alpha_x);
       seen.a = t.a, seen.b = t.b;
       seen.scale *= t.albedo;
-      covered = splat(t.albedo);
+      covered = t.albedo;
     } break;
-    case LobeKind::kReflection:
-    case LobeKind::kGlass:
-    case LobeKind::kRefraction: {
-      const float eta = eta_from(lobe, side.sign);
-      if (lobe.thin) {
-        const FresnelSplit sheet = thin_sheet(lobe, cos_v);
-        seen.scale *= lobe.mirrored ? sheet.t : sheet.r;
-      }
-      covered = splat(0.0f);
-      if (cos_v > 0.0f || lobe.is_layer) {
-        const LobeAlbedo albedo = lobe_albedo(lobe, cos_v, eta, film_ior_from(lobe, side.sign));
-        Color darkening = splat(1.0f);
-        if (lobe.compensate) {
-          const Compensation c = compensation(lobe, cos_v, eta);
-          darkening = c.darkening;
-          seen.scale *= darkening;
-          covered = albedo.r * darkening;
-          seen.select = average(seen.scale * (albedo.r + albedo.t));
-          seen.energy = c.energy;
-          seen.scale *= c.energy;
-        } else {
-          covered = albedo.r;
-          seen.select = average(seen.scale * (albedo.r + albedo.t));
-        }
-      }
-      if (!(cos_v > 0.0f)) {
-        seen.select = 0.0f;
-      }
-      if (lobe.is_layer) {
-        below = above * saturate(1.0f - lobe.layer_share * max_component(covered));
-        if (lobe.fresnel == FresnelKind::kDielectric) {
-          below *= coat_transmittance(lobe, cos_v);
-        }
-      }
-      seen.scale = min(seen.scale, splat(kMaxWeight));
-      seen.select = std::min(seen.select, kMaxWeight);
-      return seen;
-    }
     default:
       break;
   }
   seen.scale = min(seen.scale, splat(kMaxWeight));
   seen.select = average(seen.scale);
   if (lobe.is_layer) {
-    below = above * saturate(1.0f - lobe.layer_share * max_component(covered));
+    below = above * saturate(1.0f - lobe.layer_share * covered);
   }
   return seen;
 }

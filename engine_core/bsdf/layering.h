@@ -30,8 +30,9 @@ struct LobeAlbedo {
 };
 LobeAlbedo lobe_albedo(const Lobe& lobe, float cos_v, float eta, float film_ior);
 
-// The lobe from a side; `above` is the attenuation of the layers over it. If the lobe is a layer,
-// `below` is set to the attenuation of what lies under it.
-LobeSide see_lobe(const Lobe& lobe, Color above, const SurfaceSide& side, Color& below);
+// The lobe from a side; `above` is the attenuation of the layers over it. `alone`: it is the only
+// one, and always chosen. Otherwise if the lobe is a layer, `below` is set to the attenuation of
+// what lies under it.
+LobeSide see_lobe(const Lobe& lobe, Color above, const SurfaceSide& side, bool alone, Color& below);
 
 }  // namespace vernier

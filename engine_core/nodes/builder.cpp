@@ -144,6 +144,11 @@ void ProgramBuilder::add_bump_filter(float filter) {
   bump_filter_ = std::min(bump_filter_, std::max(filter, 0.0f));
 }
 
+uint32_t ProgramBuilder::add_sky(const PreethamSky& sky) {
+  data_.skies.push_back(sky);
+  return static_cast<uint32_t>(data_.skies.size() - 1);
+}
+
 uint32_t ProgramBuilder::add_image(const ImageTexture* image) {
   data_.images.push_back(image);
   return static_cast<uint32_t>(data_.images.size() - 1);

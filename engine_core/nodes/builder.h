@@ -50,6 +50,7 @@ class ProgramBuilder {
   // Appends to the data tables and returns the index of the first element.
   uint32_t add_floats(std::span<const float> floats);
   uint32_t add_image(const ImageTexture* image);
+  uint32_t add_sky(const PreethamSky& sky);
 
   const ProgramData& data() const { return data_; }
   ProgramData take_data() { return std::move(data_); }

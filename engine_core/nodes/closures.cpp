@@ -9,13 +9,19 @@ class Parameters {
   Parameters(const ClosureList& list, const ClosureCode& closure, const ProgramResult& values)
       : operands_(list.operands.data() + closure.parameters), values_(values) {}
 
-  float scalar(int i) const { return values_[operands_[i]].x; }
-  Vec3f vector(int i) const { return values_[operands_[i]].xyz(); }
+  // What is not a number, after an overflow in the program, is zero.
+  float scalar(int i) const { return number(values_[operands_[i]].x); }
+  Vec3f vector(int i) const {
+    const Vec4f& v = values_[operands_[i]];
+    return {number(v.x), number(v.y), number(v.z)};
+  }
   Color color(int i) const { return max(vector(i), Color{}); }
   // The zero vector where the socket is not linked to anything.
   Vec3f optional_vector(int i) const { return operands_[i] == kNoOperand ? Vec3f{} : vector(i); }
 
  private:
+  static float number(float v) { return v == v ? v : 0.0f; }
+
   const Operand* operands_;
   const ProgramResult& values_;
 };

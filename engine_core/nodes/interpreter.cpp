@@ -185,6 +185,8 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
       return execute_voronoi(in.variant, a, floats());
     case Op::kWhiteNoise:
       return execute_white_noise(in.variant, a);
+    case Op::kSky:
+      return to_register(data.skies[in.data].radiance(normalize(a.vector(0))));
     case Op::kGeometry:
       return to_register(geometry_value(static_cast<GeometryValue>(in.variant), point));
     case Op::kAttribute:

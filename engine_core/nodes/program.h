@@ -10,6 +10,7 @@
 
 #include "math/vec.h"
 #include "scene/surface_point.h"
+#include "textures/sky.h"
 
 namespace vernier {
 
@@ -61,6 +62,7 @@ enum class Op : uint8_t {
   kMagic,
   kVoronoi,  // VoronoiOutput; data: see execute_voronoi
   kWhiteNoise,
+  kSky,  // data: an index into ProgramData::skies
   // the surface point
   kGeometry,      // GeometryValue
   kAttribute,     // AttributeUse; data: attribute id
@@ -99,6 +101,7 @@ struct Instruction {
 struct ProgramData {
   std::vector<float> floats;
   std::vector<const ImageTexture*> images;  // null: none chosen, drawn as missing
+  std::vector<PreethamSky> skies;
 };
 
 struct Program {

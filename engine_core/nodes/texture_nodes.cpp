@@ -149,6 +149,28 @@ void lower_voronoi(NodeLowering& node) {
   }
 }
 
+// Preetham's sky is exact; the others are replaced by it, which is told.
+void lower_sky(NodeLowering& node) {
+  enum class Sky { kMultipleScattering, kSingleScattering, kPreetham, kHosekWilkie, kNishita };
+  const auto sky = node.param_enum<Sky>("sky_type");
+  const std::vector<float> given = node.param_floats("sun_direction");
+  Vec3f sun = given.size() == 3 ? normalize({given[0], given[1], given[2]}) : Vec3f{0, 0, 1};
+  if (sky != Sky::kPreetham) {
+    node.warn(
+        "this kind of sky is not supported; it is replaced by Preetham's, without the disc "
+        "of the sun and of another brightness");
+  }
+  if (sky != Sky::kPreetham && sky != Sky::kHosekWilkie) {
+    // Their rotation turns from +y toward +x.
+    const float elevation = node.param_float("sun_elevation");
+    const float rotation = node.param_float("sun_rotation");
+    sun = {std::cos(elevation) * std::sin(rotation), std::cos(elevation) * std::cos(rotation),
+           std::max(std::sin(elevation), 0.0f)};
+  }
+  const uint32_t data = node.builder().add_sky(PreethamSky(sun, node.param_float("turbidity")));
+  node.set("Color", node.emit(Op::kSky, 0, kColor, {node.input("Vector")}, data));
+}
+
 NodeKind texture_kind(std::string_view name, void (*lower)(NodeLowering&),
                       std::vector<InputKind> inputs, std::vector<OutputKind> outputs,
                       std::vector<ParamKind> params = {}) {
@@ -214,6 +236,17 @@ std::vector<NodeKind> texture_node_kinds() {
            enum_param("distance", {"EUCLIDEAN", "MANHATTAN", "CHEBYCHEV", "MINKOWSKI"}),
            bool_param("normalize", false)}),
   };
+  kinds.push_back(
+      texture_kind("ShaderNodeTexSky", lower_sky, {}, {color_output("Color")},
+                   {enum_param("sky_type", {"MULTIPLE_SCATTERING", "SINGLE_SCATTERING", "PREETHAM",
+                                            "HOSEK_WILKIE", "NISHITA"}),
+                    floats_param("sun_direction"), float_param("turbidity", 2.2),
+                    float_param("ground_albedo", 0.3), bool_param("sun_disc", true),
+                    float_param("sun_size", 0.009512), float_param("sun_intensity", 1.0),
+                    float_param("sun_elevation", 0.261799), float_param("sun_rotation", 0.0),
+                    float_param("altitude", 100.0), float_param("air_density", 1.0),
+                    float_param("aerosol_density", 1.0), float_param("dust_density", 1.0),
+                    float_param("ozone_density", 1.0)}));
   // White noise is a node without a default coordinate.
   kinds.push_back({"ShaderNodeTexWhiteNoise",
                    NodeRole::kValue,

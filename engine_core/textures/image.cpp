@@ -36,8 +36,14 @@ int wrap(int x, int size, Extension extension) {
   return x;
 }
 
-// Integer part of a pixel coordinate, kept where neighbours and mirrored sizes still fit an int.
-int floor_pixel(float x) { return static_cast<int>(clamp(std::floor(x), -1e9f, 1e9f)); }
+// A pixel coordinate taken apart. The integer is kept where its neighbours still fit an int.
+struct PixelCoordinate {
+  int index;
+  float fraction;
+
+  explicit PixelCoordinate(float x)
+      : index(static_cast<int>(clamp(std::floor(x), -1e9f, 1e9f))), fraction(x - std::floor(x)) {}
+};
 
 // Product of two bytes that stand for [0, 1], rounded down as in Cycles.
 uint8_t multiply_bytes(uint8_t a, uint8_t b) {
@@ -142,26 +148,25 @@ Vec4f ImageTexture::texel(int x, int y) const {
 }
 
 Vec4f ImageTexture::interpolate_linear(float x, float y, Extension extension) const {
-  const int ix = floor_pixel(x - 0.5f), iy = floor_pixel(y - 0.5f);
-  const float tx = (x - 0.5f) - static_cast<float>(ix);
-  const float ty = (y - 0.5f) - static_cast<float>(iy);
-  const int x0 = wrap(ix, width_, extension), x1 = wrap(ix + 1, width_, extension);
-  const int y0 = wrap(iy, height_, extension), y1 = wrap(iy + 1, height_, extension);
+  const PixelCoordinate px(x - 0.5f), py(y - 0.5f);
+  const float tx = px.fraction, ty = py.fraction;
+  const int x0 = wrap(px.index, width_, extension), x1 = wrap(px.index + 1, width_, extension);
+  const int y0 = wrap(py.index, height_, extension), y1 = wrap(py.index + 1, height_, extension);
   const Vec4f lower = encoded_or_clear(x0, y0) * (1.0f - tx) + encoded_or_clear(x1, y0) * tx;
   const Vec4f upper = encoded_or_clear(x0, y1) * (1.0f - tx) + encoded_or_clear(x1, y1) * tx;
   return lower * (1.0f - ty) + upper * ty;
 }
 
 Vec4f ImageTexture::interpolate_cubic(float x, float y, Extension extension) const {
-  const int ix = floor_pixel(x - 0.5f), iy = floor_pixel(y - 0.5f);
-  const std::array<float, 4> wx = spline_weights((x - 0.5f) - static_cast<float>(ix));
-  const std::array<float, 4> wy = spline_weights((y - 0.5f) - static_cast<float>(iy));
+  const PixelCoordinate px(x - 0.5f), py(y - 0.5f);
+  const std::array<float, 4> wx = spline_weights(px.fraction);
+  const std::array<float, 4> wy = spline_weights(py.fraction);
   Vec4f sum;
   for (int j = 0; j < 4; ++j) {
     Vec4f row;
     for (int i = 0; i < 4; ++i) {
-      row = row + encoded_or_clear(wrap(ix + i - 1, width_, extension),
-                                   wrap(iy + j - 1, height_, extension)) *
+      row = row + encoded_or_clear(wrap(px.index + i - 1, width_, extension),
+                                   wrap(py.index + j - 1, height_, extension)) *
                       wx[static_cast<size_t>(i)];
     }
     sum = sum + row * wy[static_cast<size_t>(j)];
@@ -185,8 +190,8 @@ Vec4f ImageTexture::sample(float u, float v, Interpolation interpolation, Extens
       c = interpolate_cubic(x, y, extension);
       break;
     case Interpolation::kClosest:
-      c = encoded_or_clear(wrap(floor_pixel(x), width_, extension),
-                           wrap(floor_pixel(y), height_, extension));
+      c = encoded_or_clear(wrap(PixelCoordinate(x).index, width_, extension),
+                           wrap(PixelCoordinate(y).index, height_, extension));
   }
   if (straight && c.w != 0.0f && c.w != 1.0f) {
     const float inverse = 1.0f / c.w;

@@ -206,7 +206,8 @@ float signed_noise(const std::array<float, N>& p) {
   for (size_t d = 0; d < N; ++d) {
     // From 1e6 on floats are so sparse that all would be lattice points, where noise is zero.
     const float correction = std::abs(p[d]) >= 1000000.0f ? 0.5f : 0.0f;
-    q[d] = (std::abs(p[d]) < kPeriod ? p[d] : std::fmod(p[d], kPeriod)) + correction;
+    const float x = std::isfinite(p[d]) ? p[d] : 0.0f;
+    q[d] = (std::abs(x) < kPeriod ? x : std::fmod(x, kPeriod)) + correction;
   }
   return kScale[N - 1] * perlin<N>(q);
 }

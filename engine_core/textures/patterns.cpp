@@ -9,9 +9,9 @@ namespace {
 // Off the integers, where rounding would flip neighbours; Cycles' own amounts.
 Vec3f off_lattice(Vec3f p) { return (p + splat(0.000001f)) * 0.999999f; }
 
-// floor() to an integer, at the ends of its range where that is exceeded.
+// floor() to an integer, at the ends of its range where that is exceeded; NaN gives 0.
 int floor_to_int(float x) {
-  return static_cast<int>(clamp(std::floor(x), -2147483648.0f, 2147483520.0f));
+  return x == x ? static_cast<int>(clamp(std::floor(x), -2147483520.0f, 2147483520.0f)) : 0;
 }
 
 // Hash of a brick's number to [0, 1] (the integer noise of Elias 1998).
@@ -122,7 +122,10 @@ float wave(Vec3f p, const Wave& w) {
 
 // Up to ten rounds, each of which folds one coordinate over the others.
 Color magic(Vec3f p, float scale, int depth, float distortion) {
-  const auto wrapped = [&](float v) { return std::fmod(v * scale, kTwoPi); };
+  const auto wrapped = [&](float v) {
+    const float x = v * scale;
+    return std::isfinite(x) ? std::fmod(x, kTwoPi) : 0.0f;
+  };
   const float px = wrapped(p.x), py = wrapped(p.y), pz = wrapped(p.z);
   float x = std::sin((px + py + pz) * 5.0f);
   float y = std::cos((-px + py - pz) * 5.0f);

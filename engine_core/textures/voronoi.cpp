@@ -127,9 +127,10 @@ struct Location {
 
   explicit Location(const Point<N>& p) {
     for (size_t d = 0; d < N; ++d) {
-      const float floor = clamp(std::floor(p[d]), -2147483520.0f, 2147483520.0f);
-      cell[d] = static_cast<int32_t>(floor);
-      local[d] = p[d] - floor;
+      const float x = std::isfinite(p[d]) ? p[d] : 0.0f;
+      const float floor = std::floor(x);
+      cell[d] = static_cast<int32_t>(clamp(floor, -2147483520.0f, 2147483520.0f));
+      local[d] = x - floor;
     }
   }
   Cell<N> neighbour(const Cell<N>& offset) const {

@@ -319,3 +319,42 @@ def test_average_emission_of_a_textured_light() -> None:
     material = probe.compile_graph(graph, "m", [Image("i", pixels, "linear")])
     assert material.traits["average_emission"] == pytest.approx((1.5, 3.0, 1.5), rel=1e-5)
     assert not material.traits["emission_constant"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "output", "params"),
+    [
+        *[("TexNoise", "Color", {"noise_dimensions": d}) for d in ("1D", "2D", "3D", "4D")],
+        *[
+            ("TexVoronoi", "Distance", {"feature": f})
+            for f in ("F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE")
+        ],
+        ("TexVoronoi", "Color", {}),
+        ("TexChecker", "Color", {}),
+        ("TexBrick", "Color", {}),
+        ("TexMagic", "Color", {}),
+        ("TexGradient", "Fac", {"gradient_type": "RADIAL"}),
+        ("TexImage", "Color", {"image": 0}),
+        ("TexImage", "Color", {"image": 0, "interpolation": "Cubic", "extension": "MIRROR"}),
+    ],
+)
+@pytest.mark.parametrize("scale", [1e-30, 1e9, 1e30, float("inf"), float("nan")])
+def test_textures_stay_finite_at_the_extremes(
+    kind: str, output: str, params: dict[str, Any], scale: float
+) -> None:
+    nodes = [
+        Node("ShaderNodeNewGeometry", "g"),
+        Node(
+            "ShaderNodeVectorMath",
+            "scale",
+            {"Vector": Link(0, "Position"), "Scale": scale},
+            {"operation": "SCALE"},
+        ),
+        Node(f"ShaderNode{kind}", "texture", {"Vector": Link(1, "Vector")}, params),
+    ]
+    pixels = np.linspace(0, 255, 4 * 5 * 3).astype(np.uint8).reshape(4, 5, 3)
+    image = Image("i", pixels)
+    material = probe.compile_graph(Graph(nodes, Link(2, output)), "m", [image])
+    values = material.emission(*points(50))
+    assert np.isfinite(values).all()
+    assert np.abs(values).max() < 100

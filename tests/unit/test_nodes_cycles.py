@@ -18,7 +18,7 @@ from engine_core import probe
 
 COLUMNS = 64
 # Cycles takes Rec.709 to the scene's primaries by way of XYZ, which is not quite the identity.
-TOLERANCES = {"blackbody": 5e-4}
+TOLERANCES = {"blackbody": 5e-4, "sky 2.2": 1e-3, "sky 5.0": 1e-3}
 POINT = [-1, "Vector"]
 FloatArray = NDArray[np.float32]
 Case = tuple[str, list[dict[str, Any]], str]
@@ -235,6 +235,16 @@ def textures() -> list[Case]:
         half = node("VectorMath", {"Vector": POINT, "Scale": 0.4}, operation="SCALE")
         case = node("TexGradient", {"Vector": [0, "Vector"]}, gradient_type=kind)
         cases.append((f"gradient {kind}", [half, case], "Fac"))
+    direction = node("VectorMath", {"Vector": POINT}, operation="NORMALIZE")
+    for turbidity in (2.2, 5.0):
+        case = node(
+            "TexSky",
+            {"Vector": [0, "Vector"]},
+            sky_type="PREETHAM",
+            sun_direction=(0.48, 0.6, 0.64),
+            turbidity=turbidity,
+        )
+        cases.append((f"sky {turbidity}", [direction, case], "Color"))
     for profile in items("TexWave", "wave_profile"):
         for kind, param in (("BANDS", "bands_direction"), ("RINGS", "rings_direction")):
             for direction in items("TexWave", param):

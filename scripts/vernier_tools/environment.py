@@ -141,7 +141,12 @@ class Environment:
         build_folder = self.root / "build" / self.folder.name.lstrip(".")
         arguments = ["install", "--no-deps", "--no-build-isolation", "--force-reinstall"]
         arguments += [f"--config-settings=build-dir={build_folder}", str(self.root)]
-        self.pip(arguments, "building the core", {"CXX": compiler, "CC": c_compiler(compiler)})
+        variables = {"CXX": compiler, "CC": c_compiler(compiler)}
+        # Without this, a build by make would use one processor alone.
+        variables["CMAKE_BUILD_PARALLEL_LEVEL"] = os.environ.get(
+            "CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1)
+        )
+        self.pip(arguments, "building the core", variables)
         stamp.write_text(state)
         self.say(f"built in {time.monotonic() - start:.0f} s")
 

@@ -352,6 +352,8 @@ def test_node_agrees_with_cycles(number: int, cycles: FloatArray) -> None:
     up = np.tile(np.array([0, 0, 1], np.float32), (COLUMNS, 1))
     ours = material.emission(p, up, up)
     theirs = cycles[number]
+    if np.isnan(theirs).all():
+        pytest.skip("this Blender does not have it")
     # What the encoding of the picture rounds, and what float32 arithmetic in another order does.
     size = np.maximum(np.abs(theirs), 1.0)
     error = np.abs(ours - theirs) / size

@@ -79,6 +79,9 @@ def set_up_vernier(scene: bpy.types.Scene, job: Job, seed: int) -> None:
     vernier.seed = seed
     vernier.samples = job.samples or vernier.bl_rna.properties["samples"].hard_max
     vernier.time_limit = job.time
+    # Cycles cannot do without a limit, so neither shall we here.
+    vernier.max_bounces = CYCLES_MAX_BOUNCES
+    vernier.transparent_bounces = CYCLES_MAX_BOUNCES
     cycles = getattr(scene, "cycles", None)
     if cycles is not None:
         kind = cycles.pixel_filter_type

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <type_traits>
 
 #include "camera/camera.h"
 #include "integrators/integrator.h"
@@ -16,6 +17,9 @@ struct CameraSample {
   float alpha = 1.0f;
 };
 
+// Stands for a PassSample where no passes are asked for.
+struct NoPassSample {};
+
 // Calls `li(ray, sampler, pass_sample)` for every sample and adds the results. Samples that are
 // not finite are dropped and counted: they never reach the film.
 template <bool Passes, class Li>
@@ -25,13 +29,13 @@ void render_camera_tile(const RenderContext& context, const Batch& batch, const 
   const int log2_samples = std::bit_width(batch.samples - 1u);
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; ++x) {
-      if (context.cancelled.load(std::memory_order_relaxed)) {
-        return;
-      }
       const int frame_x = tile.x + x + scene.film.crop[0];
       const int frame_y = tile.y + y + scene.film.crop[1];
       PixelBatch& pixel = buffer.pixel(x, y);
       for (uint32_t s = 0; s < batch.samples; ++s) {
+        if (context.cancelled.load(std::memory_order_relaxed)) {
+          return;
+        }
         const SobolSampler sampler(static_cast<uint32_t>(frame_x), static_cast<uint32_t>(frame_y),
                                    s, log2_samples, batch.seed);
         const Vec2f offset =
@@ -41,7 +45,7 @@ void render_camera_tile(const RenderContext& context, const Batch& batch, const 
         const CameraRay camera_ray = scene.camera->generate_ray(
             raster, scene.camera->is_pinhole() ? Vec2f{}
                                                : sampler.get_2d(dimension(CameraDim::kLens)));
-        PassSample pass_sample;
+        std::conditional_t<Passes, PassSample, NoPassSample> pass_sample;
         CameraSample sample = li(camera_ray, sampler, pass_sample);
         ++stats.camera_paths;
         if (!is_finite(sample.radiance) || !std::isfinite(sample.alpha)) {

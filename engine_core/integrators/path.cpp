@@ -36,10 +36,28 @@ inline float power_heuristic(float a, float b) {
   return 1.0f / (1.0f + ratio * ratio);
 }
 
+// Light can be caught without loss, by total internal reflection in a crystal say: from this many
+// bounces on roulette ends some paths whatever they carry, so that every path ends.
+constexpr int kLossless = 64;
+constexpr float kMostSurvival = 0.95f;
+
+// A path without end (no roulette, no limit, no loss) must still hear a cancel.
+constexpr uint32_t kPollVertices = 256;
+
 inline Color clamp_sample(Color c, float limit) {
   const float largest = max_component(c);
   return limit > 0.0f && largest > limit ? c * (limit / largest) : c;
 }
+
+// Between surfaces that absorb nothing a path need never carry less, nor meet a light. From this
+// vertex on it ends by chance whatever it carries: without bias, and surely.
+constexpr uint32_t kLongPath = 1024;
+constexpr float kLongPathSurvival = 0.9f;
+
+// Stands for LightPasses where no passes are asked for.
+struct NoPasses {
+  explicit NoPasses(NoPassSample&) {}
+};
 
 // Uniform over the directions that the surface scatters to: the naive path tracer.
 struct UniformDirection {
@@ -57,11 +75,14 @@ UniformDirection sample_uniform(const SurfacePoint& point, bool transmits, Vec2f
 template <Features F>
 class PathTracer {
  public:
+  using Passes = std::conditional_t<F.passes, PassSample, NoPassSample>;
+
   PathTracer(const RenderContext& context, const SobolSampler& sampler, RenderStats& stats,
-             PassSample& pass_sample)
+             Passes& pass_sample)
       : scene_(context.scene),
         lights_(*context.scene.lights),
         settings_(context.settings),
+        cancelled_(context.cancelled),
         sampler_(sampler),
         stats_(stats),
         limits_(context.settings),
@@ -75,6 +96,10 @@ class PathTracer {
     const float to_camera = camera_ray.start_distance;
     Bsdf bsdf;
     for (uint32_t vertex = 0;; ++vertex) {
+      if (vertex % kPollVertices == kPollVertices - 1 &&
+          cancelled_.load(std::memory_order_relaxed)) {
+        break;
+      }
       Hit hit;
       ++stats_.rays;
       const bool found = scene_.intersect(ray, ray_mask_, hit);
@@ -126,7 +151,7 @@ class PathTracer {
     const Color c = clamp_sample(contribution, static_cast<float>(limit));
     radiance_ += c;
     if constexpr (F.passes) {
-      to_passes(c);
+      to_passes(passes_, c);
     }
   }
 
@@ -154,7 +179,7 @@ class PathTracer {
   void add_met(const LightHit& light, bool environment) {
     const Color c = beta_ * light.radiance * met_weight(light.pdf);
     add(c, depth_.total <= 1,
-        [&](Color l) { passes_.add_met(depth_.total, environment, l); });
+        [&](auto& passes, Color l) { passes.add_met(depth_.total, environment, l); });
   }
 
   void add_emission(const SurfacePoint& point, Color emission) {
@@ -164,7 +189,7 @@ class PathTracer {
                                        travelled_, std::abs(dot(point.ng, point.wo)));
     }
     add(beta_ * emission * met_weight(pdf_light), depth_.total <= 1,
-        [&](Color l) { passes_.add_met(depth_.total, false, l); });
+        [&](auto& passes, Color l) { passes.add_met(depth_.total, false, l); });
   }
 
   // The ray has left the scene.
@@ -201,9 +226,11 @@ class PathTracer {
     if (!bsdf.connectible() || lights_.count() == 0 || !next_depth_allowed()) {
       return true;
     }
-    const Vec2f choice = sampler_.get_2d(dimension(vertex, BounceDim::kLightChoice));
-    const float q = static_cast<float>(settings_.light_fraction);
     const bool mixture = strategy_ == DirectLight::kMixture;
+    const Vec2f choice = mixture || lights_.count() > 1
+                             ? sampler_.get_2d(dimension(vertex, BounceDim::kLightChoice))
+                             : Vec2f{};
+    const float q = static_cast<float>(settings_.light_fraction);
     const bool toward_light = !mixture || choice.y < q;
     LightSample light;
     const Receiver from(point, (bsdf.lobes() & kLobeTransmission) != 0);
@@ -256,11 +283,11 @@ class PathTracer {
         return;
       }
     }
-    add(c, depth_.total == 0, [&](Color l) {
+    add(c, depth_.total == 0, [&](auto& passes, Color l) {
       if (depth_.total == 0) {
-        passes_.add_first_light(bsdf, light.wi, mask, l);
+        passes.add_first_light(bsdf, light.wi, mask, l);
       } else {
-        passes_.add_later_light(l);
+        passes.add_later_light(l);
       }
     });
   }
@@ -303,7 +330,11 @@ class PathTracer {
 
   // Scatters, and sets up the ray to the next vertex. False where the path ends.
   bool continue_path(uint32_t vertex, const SurfacePoint& point, const Bsdf& bsdf, Ray& ray) {
-    const Vec2f u = sampler_.get_2d(dimension(vertex, BounceDim::kLobe));
+    // A single lobe needs no choice, and roulette begins later: then nothing is drawn.
+    const bool choose = !bsdf.single_lobe() || depth_.total >= settings_.roulette_start ||
+                        vertex >= kLongPath || strategy_ == DirectLight::kUniform;
+    const Vec2f u =
+        choose ? sampler_.get_2d(dimension(vertex, BounceDim::kLobe)) : Vec2f{};
     const auto sample = next_direction(vertex, point, bsdf, u.x);
     if (!sample || is_black(sample->weight)) {
       return false;
@@ -319,10 +350,7 @@ class PathTracer {
       return false;
     }
     beta_ *= sample->weight;
-    // Radiance shrinks by eta^2 on entering a denser medium and grows back on leaving: roulette
-    // must not mistake that for absorption.
-    eta2_ *= square(sample->eta);
-    if (!survive_roulette(u.y)) {
+    if (!survive_roulette(vertex, u.y)) {
       return false;
     }
     if (!straight) {
@@ -340,36 +368,38 @@ class PathTracer {
 
   // Ends the path with a probability that grows as it carries less, and raises those that go on
   // by as much, so that the expectation stays (Arvo and Kirk 1990).
-  bool survive_roulette(float u) {
-    if (depth_.total <= settings_.roulette_start) {
-      return true;
+  bool survive_roulette(uint32_t vertex, float u) {
+    float survival = 1.0f;
+    if (depth_.total > settings_.roulette_start) {
+      const auto threshold = static_cast<float>(settings_.roulette_threshold);
+      const float carried = max_component(beta_);
+      survival = carried < threshold ? carried / threshold : 1.0f;
     }
-    const auto threshold = static_cast<float>(settings_.roulette_threshold);
-    const float carried = max_component(beta_) * eta2_;
-    if (!(carried < threshold)) {
-      return true;
+    if (vertex >= kLongPath) {
+      survival = std::min(survival, kLongPathSurvival);
     }
-    const float survival = carried / threshold;
     if (!(u < survival)) {
       return false;
     }
-    beta_ *= 1.0f / survival;
+    if (survival < 1.0f) {
+      beta_ *= 1.0f / survival;
+    }
     return true;
   }
 
   const Scene& scene_;
   const LightSampler& lights_;
   const Settings& settings_;
+  const std::atomic<bool>& cancelled_;
   const SobolSampler& sampler_;
   RenderStats& stats_;
   const BounceLimits limits_;
   const DirectLight strategy_;
-  PassSample& pass_sample_;
-  LightPasses passes_;
+  Passes& pass_sample_;
+  std::conditional_t<F.passes, LightPasses, NoPasses> passes_;
 
   Color radiance_;
   Color beta_ = splat(1.0f);
-  float eta2_ = 1.0f;       // product of the squared relative indices passed
   float alpha_ = 1.0f;
   bool on_film_ = true;     // nothing but transparent surfaces since the camera
   float pdf_ = 0.0f;        // of the current direction; 0: camera, or a singular bounce
@@ -385,7 +415,7 @@ void render_path_tile(const RenderContext& context, const Batch& batch, const Ti
                       TileBuffer& buffer, PassSet /*passes*/, RenderStats& stats) {
   render_camera_tile<F.passes>(
       context, batch, tile, buffer, stats,
-      [&](const CameraRay& ray, const SobolSampler& sampler, PassSample& pass_sample) {
+      [&](const CameraRay& ray, const SobolSampler& sampler, auto& pass_sample) {
         return PathTracer<F>(context, sampler, stats, pass_sample).run(ray);
       });
 }

@@ -27,6 +27,7 @@ class WhittedTracer {
       : scene_(context.scene),
         lights_(*context.scene.lights),
         depth_limit_(context.settings.whitted_depth),
+        cancelled_(context.cancelled),
         stats_(stats) {}
 
   CameraSample run(const CameraRay& camera_ray) {
@@ -70,7 +71,8 @@ class WhittedTracer {
     bsdf.finish();
     result += bsdf.emission;
     result += lamps(point, bsdf, state.depth);
-    if (level < depth_limit_) {
+    // Reflection and refraction double the rays at every level: one sample may take hours.
+    if (level < depth_limit_ && !cancelled_.load(std::memory_order_relaxed)) {
       result += specular(point, bsdf, state, level, alpha);
     }
     return result;
@@ -123,13 +125,14 @@ class WhittedTracer {
   const Scene& scene_;
   const LightSampler& lights_;
   const int depth_limit_;
+  const std::atomic<bool>& cancelled_;
   RenderStats& stats_;
 };
 
 void render_whitted_tile(const RenderContext& context, const Batch& batch, const Tile& tile,
                          TileBuffer& buffer, PassSet /*passes*/, RenderStats& stats) {
   render_camera_tile<false>(context, batch, tile, buffer, stats,
-                            [&](const CameraRay& ray, const SobolSampler&, PassSample&) {
+                            [&](const CameraRay& ray, const SobolSampler&, NoPassSample&) {
                               return WhittedTracer(context, stats).run(ray);
                             });
 }

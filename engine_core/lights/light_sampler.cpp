@@ -327,42 +327,36 @@ Color LightSampler::environment(Vec3f d, uint32_t flags, const PathDepth& depth)
              : Color{};
 }
 
-bool LightSampler::next_lamp_hit(const Ray& ray, float t_min, uint32_t mask, uint32_t& lamp_number,
-                                 LightHit& hit) const {
+bool LightSampler::next_lamp_hit(const Ray& ray, Vec3f inverse_direction, float t_min,
+                                 uint32_t mask, uint32_t& position, LightHit& hit) const {
   const LightTable& table = *table_;
-  while (lamp_number < table.lamps.size()) {
-    const uint32_t light = table.first_lamp() + lamp_number;
-    const Lamp& lamp = table.lamps[lamp_number++];
-    const bool sees = (lamp.visibility & mask) != 0 &&
-                      (lamp.hittable || (mask & kVisibleCamera) != 0) && !lamp.delta;
-    if (!sees || lamp.kind == LightKind::kSun || is_black(lamp.radiance)) {
+  for (uint32_t number = table.lamp_bvh.next(ray, inverse_direction, position);
+       number != kNoIndex; number = table.lamp_bvh.next(ray, inverse_direction, position)) {
+    const Lamp& lamp = table.lamps[number];
+    if ((lamp.visibility & mask) == 0 || (!lamp.hittable && (mask & kVisibleCamera) == 0)) {
       continue;
     }
     ShapeSample s;
     s.wi = ray.d;
+    const SphereView view = lamp.kind == LightKind::kArea ? SphereView{} : view_sphere(lamp, ray.o);
+    s.distance = lamp.kind == LightKind::kArea ? intersect_area_lamp(lamp, ray.o, ray.d)
+                                               : intersect_sphere(lamp, view, ray.o, ray.d);
+    if (!(s.distance > t_min) || !(s.distance < ray.t_max)) {
+      continue;
+    }
+    s.p = ray.o + ray.d * s.distance;
     if (lamp.kind == LightKind::kArea) {
-      s.distance = intersect_area_lamp(lamp, ray.o, ray.d);
-      if (!(s.distance > t_min) || !(s.distance < ray.t_max)) {
-        continue;
-      }
       s.factor = area_lamp_factor(lamp, ray.d);
       s.n = lamp.axis;
-      s.p = ray.o + ray.d * s.distance;
     } else {
-      const SphereView view = view_sphere(lamp, ray.o);
-      s.distance = intersect_sphere(lamp, view, ray.o, ray.d);
-      if (!(s.distance > t_min) || !(s.distance < ray.t_max)) {
-        continue;
-      }
       s.factor = sphere_lamp_factor(lamp, view, ray.d);
-      s.p = ray.o + ray.d * s.distance;
       const Vec3f outward = normalize(s.p - lamp.center);
       s.n = lamp.soft ? -view.to_center : (view.inside ? -outward : outward);
     }
     if (!(s.factor > 0.0f)) {
       continue;
     }
-    hit.light = light;
+    hit.light = table.first_lamp() + number;
     hit.t = s.distance;
     hit.radiance = lamp_radiance(lamp, s);
     return true;

@@ -75,8 +75,9 @@ class LightSampler {
   void for_each_lamp_hit(const Receiver* from, const Ray& ray, uint32_t mask, float travelled,
                          F&& f) const {
     const Ray whole{from ? from->p : ray.o - ray.d * travelled, ray.d, travelled + ray.t_max};
+    const Vec3f inverse = splat(1.0f) / ray.d;
     LightHit hit;
-    for (uint32_t lamp = 0; next_lamp_hit(whole, travelled, mask, lamp, hit);) {
+    for (uint32_t position = 0; next_lamp_hit(whole, inverse, travelled, mask, position, hit);) {
       hit.pdf = from ? pdf_lamp(*from, hit.light, ray.d, hit.t) : 0.0f;
       hit.t -= travelled;
       f(static_cast<const LightHit&>(hit));
@@ -115,10 +116,10 @@ class LightSampler {
   bool is_infinite(uint32_t light) const;
 
  private:
-  // The first lamp at or after number `lamp`, which moves past it, that the ray meets beyond t_min;
-  // false: no more.
-  bool next_lamp_hit(const Ray& ray, float t_min, uint32_t mask, uint32_t& lamp,
-                     LightHit& hit) const;
+  // The first lamp at or after `position` of the walk, which moves past it, that the ray meets
+  // beyond t_min; false: no more.
+  bool next_lamp_hit(const Ray& ray, Vec3f inverse_direction, float t_min, uint32_t mask,
+                     uint32_t& position, LightHit& hit) const;
   bool next_escape(Vec3f d, uint32_t mask, uint32_t flags, const PathDepth& depth, uint32_t& i,
                    LightHit& hit) const;
   // Chooses a light: its number and probability; kNoIndex where nothing reaches the receiver.

@@ -195,6 +195,7 @@ std::unique_ptr<const LightTable> build_light_table(
   table->center = scene.center;
   table->radius = scene.radius;
   add_triangles(scene, *table);
+  std::vector<LampBox> boxes;
   for (size_t i = 0; i < lamps.size(); ++i) {
     const Material* shader =
         i < table->lamp_shaders.size() ? table->lamp_shaders[i].get() : nullptr;
@@ -208,9 +209,12 @@ std::unique_ptr<const LightTable> build_light_table(
         table->visible_suns |= lamp.hittable ? lamp.visibility : 0u;
       } else {
         table->visible_lamps |= others | (lamp.visibility & kVisibleCamera);
+        const LightBounds b = lamp_bounds(lamp);
+        boxes.push_back({b.lower, b.upper, static_cast<uint32_t>(i)});
       }
     }
   }
+  table->lamp_bvh = LampBvh(boxes);
   choose_environment(scene, environment_resolution, *table);
   weigh_lights(*table);
   return table;

@@ -6,6 +6,7 @@
 
 #include "lights/environment.h"
 #include "lights/lamp.h"
+#include "lights/lamp_bvh.h"
 #include "lights/light_tree.h"
 #include "lights/triangle_index.h"
 #include "lights/triangle_light.h"
@@ -27,6 +28,7 @@ struct LightTable {
   EnvironmentMap environment;
   TriangleIndex triangle_index;
 
+  LampBvh lamp_bvh;                // over lamps of finite size and place
   LightTree tree;                         // over triangles and lamps at finite places
   std::vector<uint32_t> distant;          // suns and the environment: lights
   std::vector<float> distant_irradiance;  // of each, on the scale of the tree's

@@ -1,8 +1,6 @@
 // Rays that leave surfaces without meeting them again.
 #pragma once
 
-#include <bit>
-
 #include "embree/intersector.h"
 #include "lights/light_sample.h"
 #include "math/vec.h"
@@ -11,21 +9,15 @@
 namespace vernier {
 
 // Moves p off the surface by the bound of its rounding error, to the side that `w` points to, and
-// on to the next float outward, so that the true surface cannot lie between
+// on by the rounding of the result, so that the true surface cannot lie between
 // (Pharr, Jakob and Humphreys 2023, section 6.8.6). No length is chosen: the bound scales with
 // the coordinates.
 inline Vec3f offset_origin(Vec3f p, Vec3f p_error, Vec3f ng, Vec3f w) {
   const float d = dot(abs(ng), p_error);
-  const Vec3f offset = ng * (dot(w, ng) < 0.0f ? -d : d);
-  Vec3f q = p + offset;
-  for (int i = 0; i < 3; ++i) {
-    if (offset[i] > 0.0f) {
-      q[i] = std::nextafter(q[i], kInfinity);
-    } else if (offset[i] < 0.0f) {
-      q[i] = std::nextafter(q[i], -kInfinity);
-    }
-  }
-  return q;
+  const float side = dot(w, ng) < 0.0f ? -1.0f : 1.0f;
+  const Vec3f q = p + ng * (side * d);
+  // A whole unit in the last place of each component, along the normal: the sum rounds by half.
+  return q + ng * (side * 2.0f * kUnitRoundoff * dot(abs(ng), abs(q)));
 }
 
 // The ray from a surface point in direction `d`.

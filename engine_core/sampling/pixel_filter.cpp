@@ -6,7 +6,7 @@ namespace vernier {
 namespace {
 
 // Filter shapes as Cycles has them (scene/film.cpp): the Gaussian is exp(-2 (6 x)^2).
-// x in [-1/2, 1/2] of the full width.
+// x in [-1/2, 1/2] of the full extent.
 double shape(FilterKind kind, double x) {
   switch (kind) {
     case FilterKind::kBox: return 1.0;
@@ -20,9 +20,19 @@ double shape(FilterKind kind, double x) {
   return 0.0;
 }
 
+// The full extent in units of the width that Blender names (scene/film.cpp).
+float extent(FilterKind kind) {
+  switch (kind) {
+    case FilterKind::kBox: return 1.0f;
+    case FilterKind::kGaussian: return 3.0f;
+    case FilterKind::kBlackmanHarris: return 2.0f;
+  }
+  return 1.0f;
+}
+
 }  // namespace
 
-PixelFilter2d::PixelFilter2d(FilterKind kind, float width) : width_(width) {
+PixelFilter2d::PixelFilter2d(FilterKind kind, float width) : extent_(width * extent(kind)) {
   // Cell integrals by the midpoint rule.
   constexpr int kSteps = 32;
   std::array<double, kCells + 1> sum{};

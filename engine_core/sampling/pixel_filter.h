@@ -12,7 +12,8 @@ namespace vernier {
 // (Ernst, Stamminger and Greiner 2006, "Filter Importance Sampling").
 class PixelFilter2d {
  public:
-  // `width` is the full width in pixels.
+  // `width` in pixels as Blender names it: a box's extent, a third of a Gaussian's, half of a
+  // Blackman-Harris window's.
   PixelFilter2d(FilterKind kind, float width);
 
   // Offset from the pixel's centre, pixels.
@@ -27,10 +28,10 @@ class PixelFilter2d {
       ++cell;
     }
     const float within = (u - cdf_[cell]) / (cdf_[cell + 1] - cdf_[cell]);
-    return ((static_cast<float>(cell) + within) * (1.0f / kCells) - 0.5f) * width_;
+    return ((static_cast<float>(cell) + within) * (1.0f / kCells) - 0.5f) * extent_;
   }
 
-  float width_;
+  float extent_;  // pixels
   std::array<float, kCells + 1> cdf_;
   std::array<uint8_t, kCells> guide_;  // the cell of u = i / kCells: where the search begins
 };

@@ -172,7 +172,7 @@ struct FilmDesc {
   int32_t width = 640, height = 360;            // the full frame in pixels
   std::array<int32_t, 4> crop{0, 0, 640, 360};  // x0, y0, x1, y1: what is rendered; y up
   FilterKind filter = FilterKind::kBlackmanHarris;
-  float filter_width = 1.5f;                    // pixels, full width
+  float filter_width = 1.5f;                    // pixels, as Blender names it
   float exposure = 1.0f;
   bool transparent = false;                     // the world leaves alpha 0 to camera rays
 };

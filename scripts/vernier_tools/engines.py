@@ -23,8 +23,6 @@ CYCLES_BOUNCES = (
     "transparent_max_bounces",
 )
 CYCLES_MAX_SAMPLES = 2**24
-# The full extent of a pixel filter in units of the width that Cycles names (its scene/film.cpp).
-CYCLES_FILTER_EXTENT = {"BOX": 1.0, "GAUSSIAN": 3.0, "BLACKMAN_HARRIS": 2.0}
 
 
 def set_up(scene: bpy.types.Scene, job: Job, seed: int) -> None:
@@ -87,8 +85,7 @@ def set_up_vernier(scene: bpy.types.Scene, job: Job, seed: int) -> None:
         kind = cycles.pixel_filter_type
         vernier.pixel_filter = kind
         # Cycles ignores the width that it shows for a box.
-        width = 1.0 if kind == "BOX" else cycles.filter_width
-        vernier.filter_width = width * CYCLES_FILTER_EXTENT[kind]
+        vernier.filter_width = 1.0 if kind == "BOX" else cycles.filter_width
         vernier.film_exposure = cycles.film_exposure
     apply(vernier, job.settings, "Vernier")
 

@@ -74,13 +74,14 @@ def test_dimensions_are_independent() -> None:
 )
 def test_pixel_filter(kind: str, shape, rng: np.random.Generator) -> None:  # type: ignore[no-untyped-def]
     width, count = 1.5, 100_000
+    extent = width * {"BOX": 1, "GAUSSIAN": 3, "BLACKMAN_HARRIS": 2}[kind]
     u = rng.random((count, 2), np.float32)
     offsets = probe.filter_offsets(kind, width, u)
     edges = np.linspace(-0.5, 0.5, 41)
     fine = (np.arange(40 * 64) + 0.5) / (40 * 64) - 0.5
     mass = shape(fine).reshape(40, 64).sum(axis=1)
     for axis in range(2):
-        observed = np.histogram(offsets[:, axis] / width, edges)[0].astype(float)
+        observed = np.histogram(offsets[:, axis] / extent, edges)[0].astype(float)
         assert_chi_squared(observed, mass / mass.sum() * count)
 
 

@@ -205,6 +205,8 @@ class Film:
     height: int = 360
     crop: tuple[int, int, int, int] = (0, 0, 640, 360)  # x0, y0, x1, y1, y upward
     filter: str = "BLACKMAN_HARRIS"  # BOX, GAUSSIAN, BLACKMAN_HARRIS
+    # Pixels, as Blender names it: the extent of a box, a third of a Gaussian's, half of a
+    # Blackman-Harris window's.
     filter_width: float = 1.5
     exposure: float = 1.0
     transparent: bool = False

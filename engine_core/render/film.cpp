@@ -112,6 +112,7 @@ Film::Film(int width, int height, PassSet passes, float exposure)
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
   pixels_.resize(count);
   values_.resize(count * static_cast<size_t>(sampled_channels(passes_)));
+  arrivals_.resize(tiles_.size());
   locks_ = std::make_unique<std::mutex[]>(tiles_.size());
 }
 
@@ -119,10 +120,25 @@ double Film::luminance_sum(const Pixel& p) {
   return 0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b;
 }
 
-void Film::merge(size_t number, const TileBuffer& buffer) {
-  const Tile& tile = tiles_[number];
+void Film::merge(size_t tile, uint64_t batch, TileBuffer&& buffer) {
+  const std::lock_guard lock(locks_[tile]);
+  Arrivals& arrivals = arrivals_[tile];
+  if (batch != arrivals.next) {
+    arrivals.early.emplace(batch, std::move(buffer));
+    return;
+  }
+  add(tiles_[tile], buffer);
+  ++arrivals.next;
+  for (auto next = arrivals.early.begin();
+       next != arrivals.early.end() && next->first == arrivals.next;
+       next = arrivals.early.erase(next)) {
+    add(tiles_[tile], next->second);
+    ++arrivals.next;
+  }
+}
+
+void Film::add(const Tile& tile, const TileBuffer& buffer) {
   const auto channels = static_cast<size_t>(sampled_channels(passes_));
-  const std::lock_guard lock(locks_[number]);
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; ++x) {
       const size_t from = buffer.index(x, y);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -45,7 +46,7 @@ struct PixelBatch {
   }
 };
 
-// A tile's pixels of one batch, on their way to the film. One per thread, reused.
+// A tile's pixels of one batch, on their way to the film.
 class TileBuffer {
  public:
   TileBuffer(PassSet passes, const Tile& tile);
@@ -76,8 +77,10 @@ class Film {
   // All tiles, from the middle outward.
   const std::vector<Tile>& tiles() const { return tiles_; }
 
-  // Adds a batch of samples of tile number `tile`. Threads may merge at the same time.
-  void merge(size_t tile, const TileBuffer& buffer);
+  // Adds batch number `batch` of tile number `tile`. Threads may merge at the same time and in any
+  // order, but a tile's batches are summed in their own: sums of rounded numbers depend on it, and
+  // a picture must not depend on the threads. A batch that comes early waits for those before.
+  void merge(size_t tile, uint64_t batch, TileBuffer&& buffer);
 
   // The current estimate of a pass over a rectangle, rows upward, channels interleaved, into `out`
   // of width * height * channels floats. Pixels without samples are zero.
@@ -95,6 +98,12 @@ class Film {
   };
   static constexpr int kTileSize = 32;
 
+  struct Arrivals {
+    uint64_t next = 0;  // number of the batch to be added next
+    std::map<uint64_t, TileBuffer> early;
+  };
+
+  void add(const Tile& tile, const TileBuffer& buffer);
   static double luminance_sum(const Pixel& p);
   double half_width(const Pixel& p) const;
   void read_pixel(Pass pass, size_t pixel, double mean, float* out) const;
@@ -105,6 +114,7 @@ class Film {
   std::vector<Tile> tiles_;
   std::vector<Pixel> pixels_;
   std::vector<float> values_;
+  std::vector<Arrivals> arrivals_;               // by tile
   mutable std::unique_ptr<std::mutex[]> locks_;  // by tile
 };
 

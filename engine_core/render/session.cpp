@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 #include <exception>
+#include <stdexcept>
+#include <system_error>
 
 #include "math/float_environment.h"
 #include "math/parallel.h"
@@ -52,16 +54,32 @@ Session::~Session() {
 }
 
 void Session::start() {
+  if (started_) {
+    throw std::logic_error("a session renders once");
+  }
   start_ = Clock::now();
+  started_ = true;
   running_ = thread_count_;
   for (int i = 0; i < thread_count_; ++i) {
-    threads_.emplace_back([this, i] { work(i); });
+    try {
+      threads_.emplace_back([this, i] { work(i); });
+    } catch (const std::system_error&) {
+      // The system has no more threads to give: those that there are do the work.
+      thread_ended(thread_count_ - i);
+      thread_count_ = i;
+      if (i == 0) {
+        throw;
+      }
+    }
   }
 }
 
 void Session::cancel() { cancelled_ = true; }
 
 double Session::elapsed() const {
+  if (!started_) {
+    return 0.0;
+  }
   const int64_t end = end_nanoseconds_;
   if (end >= 0) {
     return static_cast<double>(end) * 1e-9;
@@ -101,7 +119,7 @@ void Session::work(int thread) {
       if (cancelled_) {
         break;  // pixels of an unfinished tile would have a batch of another size
       }
-      film_.merge(tile_number, buffer);
+      film_.merge(tile_number, number, std::move(buffer));
       pixel_samples_ += static_cast<uint64_t>(batch.samples) *
                         static_cast<uint64_t>(tile.width) * static_cast<uint64_t>(tile.height);
       rays_[static_cast<size_t>(thread)] = stats.rays;
@@ -114,22 +132,30 @@ void Session::work(int thread) {
     error_message_ = e.what();
   }
   non_finite_ += stats.non_finite;
-  if (--running_ == 0) {
+  thread_ended(1);
+}
+
+void Session::thread_ended(int count) {
+  const std::lock_guard lock(mutex_);
+  running_ -= count;
+  if (running_ == 0) {
     end_nanoseconds_ =
         std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start_).count();
-    const std::lock_guard lock(mutex_);
     finished_.notify_all();
   }
 }
 
 bool Session::wait(double seconds) {
   std::unique_lock lock(mutex_);
-  return finished_.wait_for(lock, std::chrono::duration<double>(seconds),
-                            [this] { return running_ == 0; });
+  // The clock counts nanoseconds in 64 bits: some decades are as good as for ever.
+  constexpr double kLongest = 1e9;
+  const std::chrono::duration<double> longest(std::min(std::max(0.0, seconds), kLongest));
+  return finished_.wait_for(lock, longest, [this] { return running_ == 0; });
 }
 
 Progress Session::poll(bool with_error) const {
   Progress p;
+  p.done = started_ && running_ == 0;  // first: then the rest is final too
   const double pixels = static_cast<double>(film_.width()) * static_cast<double>(film_.height());
   p.samples = static_cast<double>(pixel_samples_.load()) / pixels;
   p.samples_target = settings_.samples;
@@ -138,7 +164,6 @@ Progress Session::poll(bool with_error) const {
     p.rays += rays;
   }
   p.non_finite = non_finite_;
-  p.done = running_ == 0;
   p.cancelled = cancelled_;
   p.error = with_error ? film_.error() : static_cast<double>(kInfinity);
   double left = p.samples > 0.0 ? p.seconds * (p.samples_target / p.samples - 1.0)

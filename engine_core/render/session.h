@@ -43,10 +43,11 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  // Once. Throws std::logic_error the second time, std::system_error when no thread can be made.
   void start();
   // Asks the threads to stop; each does so within a pixel's samples.
   void cancel();
-  // True when all threads have ended; waits at most `seconds`.
+  // True when no thread runs (before start(), too); waits at most `seconds`.
   bool wait(double seconds);
   // `with_error`: also compute the error, which reads the whole film.
   Progress poll(bool with_error) const;
@@ -63,6 +64,7 @@ class Session {
   using Clock = std::chrono::steady_clock;
 
   void work(int thread);
+  void thread_ended(int count);
   double elapsed() const;
   bool next_job(uint64_t& batch, size_t& tile);
 
@@ -84,6 +86,7 @@ class Session {
   std::atomic<bool> timed_out_{false};
   std::atomic<int> running_{0};
   Clock::time_point start_;
+  std::atomic<bool> started_{false};
   std::atomic<int64_t> end_nanoseconds_{-1};
   mutable std::mutex mutex_;
   std::condition_variable finished_;

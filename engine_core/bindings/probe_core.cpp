@@ -145,6 +145,8 @@ void bind_core_probes(nb::module_& m) {
   m.def("batch_samples", &batch_samples);
   m.def("interval_factor", &interval_factor);
   m.def("standard_error", &standard_error);
+  m.def("relative_error", &relative_error);
+  m.def("picture_error", [](std::vector<float> errors) { return picture_error(errors); });
 }
 
 }  // namespace vernier

@@ -69,6 +69,22 @@ Lobe* Bsdf::add(LobeKind kind, Color weight, Vec3f normal) {
   return lobe;
 }
 
+void Bsdf::reuse(const Bsdf& prepared) {
+  count_ = prepared.count_;
+  overflow_ = prepared.overflow_;
+  transparency = prepared.transparency;
+  holdout = prepared.holdout;
+  const bool smooth_shaded = !(ns_ == ng_);
+  for (int i = 0; i < count_; ++i) {
+    Lobe& lobe = lobes_[i];
+    lobe = prepared.lobes_[i];
+    lobe.normal = ns_;
+    // Only lobes with a mirror direction ever are.
+    lobe.corrected = smooth_shaded && (is_microfacet(lobe.kind) ||
+                                       lobe.kind == LobeKind::kAshikhminShirley);
+  }
+}
+
 Color Bsdf::attenuation(int layer) const {
   if (layer < 0) {
     return splat(1.0f);

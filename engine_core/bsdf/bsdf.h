@@ -86,6 +86,11 @@ class Bsdf {
     smooth_ = lambert_ = false;
   }
 
+  // In place of the adders, for a material that is the same everywhere: takes over what they made
+  // at another point, on the same side of the surface and with its shading normal for all lobes.
+  // Emission is not taken over: what covers it depends on the direction.
+  void reuse(const Bsdf& prepared);
+
   // Adders. `weight` is linear RGB, not negative, and holds the node's colour (except where the
   // parameters say otherwise) times its share in the mix. `normal` is unit, on the side of ng.
   // Weights below 1e-5 on average add nothing, as in Cycles.

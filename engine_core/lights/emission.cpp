@@ -146,7 +146,7 @@ EmissionPdf LightSampler::pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f d
   const LightTable& table = *table_;
   if (table.is_triangle(light)) {
     // Either side with probability one half.
-    return {bounded_density(1.0f / triangle_area(table.triangles[light])),
+    return {bounded_density(1.0f / table.triangles[light].area),
             0.5f * std::abs(dot(n, direction)) * kInvPi};
   }
   if (table.is_environment(light)) {

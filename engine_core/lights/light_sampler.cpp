@@ -47,7 +47,8 @@ struct FirstChoice {
     for (size_t i = 0; i < table.distant.size(); ++i) {
       add(distant_importance(table, i, from));
     }
-    tree = table.tree.importance(from);
+    // Alone, the tree needs no weighing.
+    tree = table.distant.empty() ? 1.0f : table.tree.importance(from);
     add(tree);
   }
   void add(float importance) {

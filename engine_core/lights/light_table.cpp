@@ -34,8 +34,9 @@ void add_triangles(const Scene& scene, LightTable& table) {
         continue;
       }
       const std::array<Vec3f, 3> p = scene.triangle(i, t);
-      const TriangleLight light{p[0], p[1] - p[0], p[2] - p[0], &material, i, t};
-      if (triangle_area(light) > 0.0f) {
+      TriangleLight light{p[0], p[1] - p[0], p[2] - p[0], {}, 0.0f, &material, i, t};
+      measure(light);
+      if (light.area > 0.0f) {
         emissive[t] = true;
         table.triangles.push_back(light);
       }
@@ -111,7 +112,7 @@ double triangle_intensity(const TriangleLight& light) {
   const MaterialTraits& traits = light.material->traits();
   const double estimate = static_cast<double>(average(abs(traits.average_emission)));
   // An estimate of zero does not make the light dark.
-  return static_cast<double>(triangle_area(light)) * (estimate > 0.0 ? estimate : 1.0);
+  return static_cast<double>(light.area) * (estimate > 0.0 ? estimate : 1.0);
 }
 
 void choose_environment(const Scene& scene, int resolution, LightTable& table) {

@@ -17,6 +17,8 @@ inline constexpr float kLargestSphericalTriangle = 6.2f;
 
 struct TriangleLight {
   Vec3f v0, e1, e2;  // a corner and the edges from it, render space
+  Vec3f n;           // unit, e1 x e2
+  float area = 0;    // m^2
   const Material* material = nullptr;
   uint32_t instance = 0, triangle = 0;
 };
@@ -27,8 +29,11 @@ inline float safe_length(Vec3f v) {
   return scale > 0.0f ? scale * length(v / splat(scale)) : 0.0f;
 }
 
-inline float triangle_area(const TriangleLight& light) {
-  return 0.5f * safe_length(cross(light.e1, light.e2));
+// Sets the normal and the area from the edges.
+inline void measure(TriangleLight& light) {
+  const Vec3f c = cross(light.e1, light.e2);
+  light.n = normalize(c);
+  light.area = 0.5f * safe_length(c);
 }
 
 // The spherical triangle that a receiver sees.
@@ -43,8 +48,9 @@ inline bool view_triangle(const TriangleLight& light, Vec3f p, SphericalTriangle
   const Vec3f b = a + light.e1;
   const Vec3f c = a + light.e2;
   const float size2 = std::max(length_squared(light.e1), length_squared(light.e2));
-  // Closer than some three edges; farther away the density of area sampling varies little.
-  if (!(length_squared(a + b + c) < 81.0f * size2)) {
+  // Closer than some one and a half edges; farther away the density of area sampling varies little
+  // and the spherical triangle costs more than it saves.
+  if (!(length_squared(a + b + c) < 20.0f * size2)) {
     return false;
   }
   const float la = length(a), lb = length(b), lc = length(c);
@@ -110,7 +116,7 @@ struct TriangleSample {
 };
 
 inline float pdf_triangle_area(const TriangleLight& light, float distance, float abs_cos) {
-  return bounded_density(distance * (distance / triangle_area(light)) /
+  return bounded_density(distance * (distance / light.area) /
                          std::max(abs_cos, std::numeric_limits<float>::min()));
 }
 
@@ -124,7 +130,7 @@ inline float pdf_triangle_light(const TriangleLight& light, Vec3f p, float dista
 inline bool sample_triangle_light(const TriangleLight& light, Vec3f p, Vec2f u,
                                   TriangleSample& out) {
   ShapeSample& s = out.shape;
-  s.n = normalize(cross(light.e1, light.e2));
+  s.n = light.n;
   SphericalTriangle view;
   const bool spherical = view_triangle(light, p, view);
   const Vec3f to_corner = light.v0 - p;

@@ -1,5 +1,6 @@
 #include "nodes/material.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -69,11 +70,36 @@ void NodeContext::warn(std::string message) {
 
 Material::Material(std::string name, std::unique_ptr<const MaterialCode> code,
                    MaterialTraits traits)
-    : name_(std::move(name)), code_(std::move(code)), traits_(std::move(traits)) {}
+    : name_(std::move(name)), code_(std::move(code)), traits_(std::move(traits)) {
+  if (traits_.is_constant && !traits_.is_emissive) {
+    prepare();
+  }
+}
 
 Material::~Material() = default;
 
+void Material::prepare() {
+  const auto& closures = code_->surface.list.closures;
+  if (std::any_of(closures.begin(), closures.end(),
+                  [](const ClosureCode& c) { return c.normal != kNoOperand; })) {
+    return;
+  }
+  for (const bool backfacing : {false, true}) {
+    SurfacePoint point;
+    point.ng = point.ns = point.wo = {0, 0, 1};
+    point.backfacing = backfacing;
+    auto bsdf = std::make_unique<Bsdf>();
+    bsdf->begin(point);
+    evaluate(point, *bsdf);
+    prepared_[backfacing ? 1 : 0] = std::move(bsdf);
+  }
+}
+
 void Material::evaluate(const SurfacePoint& point, Bsdf& bsdf) const {
+  if (const Bsdf* prepared = prepared_[point.backfacing ? 1 : 0].get()) {
+    bsdf.reuse(*prepared);
+    return;
+  }
   const ProgramPart& part = code_->surface;
   with_values(part, code_->data, point, [&](const ProgramResult& values) {
     for (const ClosureCode& closure : part.list.closures) {

@@ -5,6 +5,7 @@
 // its closures are ready and only their set-up for the direction is done.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -92,9 +93,14 @@ class Material {
   size_t register_count() const;
 
  private:
+  void prepare();
+
   std::string name_;
   std::unique_ptr<const MaterialCode> code_;
   MaterialTraits traits_;
+  // The lobes of a constant material, as seen from its front and its back; null where they must be
+  // added anew at every point.
+  std::array<std::unique_ptr<const Bsdf>, 2> prepared_;
 };
 
 // Compiles a graph. Throws std::invalid_argument naming the material, and the node, when a link's

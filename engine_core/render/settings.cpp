@@ -70,7 +70,8 @@ const std::array kParameters{
          "Light Fraction", "Probability of sampling toward a light with the mixture estimator"),
     real("light_paths", "roulette_threshold", &Settings::roulette_threshold, 0, 1e6, 0, 1,
          "Roulette Threshold",
-         "Paths that carry less than this may be ended by chance, without bias; 0: never"),
+         "Paths that carry less than this may be ended by chance, without bias; 0: none below 1024 "
+         "bounces"),
     integer("light_paths", "roulette_start", &Settings::roulette_start, 0, 1 << 16, 0, 16,
             "Roulette Start", "Bounces before Russian roulette begins"),
     integer("light_paths", "max_bounces", &Settings::max_bounces, -1, 1 << 16, -1, 64,
@@ -92,7 +93,7 @@ const std::array kParameters{
     choice("film", "pixel_filter", &Settings::pixel_filter, kFilters, "Pixel Filter",
            "Shape of the reconstruction filter"),
     real("film", "filter_width", &Settings::filter_width, 0.01, 10, 0.5, 4, "Filter Width",
-         "Full width of the pixel filter", "px"),
+         "Width of the pixel filter", "px"),
     real("film", "film_exposure", &Settings::film_exposure, 0, 1e6, 0, 10, "Exposure",
          "Multiplies the picture's brightness"),
 };

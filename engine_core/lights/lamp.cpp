@@ -1,5 +1,6 @@
 #include "lights/lamp.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "math/frame.h"
@@ -11,6 +12,8 @@ namespace {
 // A sphere or disk smaller than this is a point: its radiance and the density of sampling it would
 // leave float32 at distances that scenes have.
 constexpr float kSmallestRadius = 1e-11f;
+// Beyond this, squares of distances would leave it.
+constexpr float kLargestRadius = 1e18f;
 // Half angle below which float32 directions do not resolve a cone; it is a single direction.
 constexpr float kSmallestHalfAngle = 4.0f * kUnitRoundoff;
 
@@ -29,7 +32,7 @@ Color scaled(Color emission, double factor) {
 // Watts that leave a point or sphere of this (Cycles: blender's watts are spread over the sphere's
 // surface as radiance, divided by pi; a point is as bright as a sphere of any radius).
 void make_point(const LightDesc& desc, Lamp& lamp) {
-  lamp.radius = desc.radius >= kSmallestRadius ? desc.radius : 0.0f;
+  lamp.radius = desc.radius >= kSmallestRadius ? std::min(desc.radius, kLargestRadius) : 0.0f;
   lamp.delta = lamp.radius == 0.0f;
   lamp.soft = desc.soft_falloff;
   const double radius = static_cast<double>(lamp.radius);

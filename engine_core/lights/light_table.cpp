@@ -130,6 +130,9 @@ void choose_environment(const Scene& scene, int resolution, LightTable& table) {
   table.has_environment = table.environment.mean_radiance() > 0.0f;
 }
 
+// Where the tree's boxes end: Embree, too, drops what lies far beyond.
+constexpr float kLargestCoordinate = 1e17f;
+
 // Fills in the tree, the distant lights' shares and the powers.
 void weigh_lights(LightTable& table) {
   const uint32_t count = table.count();
@@ -167,6 +170,9 @@ void weigh_lights(LightTable& table) {
       LightBounds b = table.is_triangle(light) ? triangle_bounds(table.triangles[light])
                                                : lamp_bounds(table.lamp(light));
       b.intensity = std::max(static_cast<float>(intensity[light] / largest), kSmallestImportance);
+      // Squares of the tree's distances must not overflow.
+      b.lower = min(max(b.lower, splat(-kLargestCoordinate)), splat(kLargestCoordinate));
+      b.upper = min(max(b.upper, splat(-kLargestCoordinate)), splat(kLargestCoordinate));
       bounds.push_back(b);
       lights.push_back(light);
     }

@@ -126,7 +126,8 @@ class LightTreeBuilder {
       float cost = -1.0f;
       for (size_t i = 0; i < count; ++i) {
         const Branch& child = branches_[children[i]];
-        if (child.light == kNoIndex && cost_of(child.bounds) > cost) {
+        // The root is opened whatever it costs.
+        if (child.light == kNoIndex && !(cost_of(child.bounds) <= cost)) {
           widest = i;
           cost = cost_of(child.bounds);
         }

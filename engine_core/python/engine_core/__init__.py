@@ -55,6 +55,8 @@ def compile(
     what is wrong, RuntimeError when Embree fails or the call is cancelled, MemoryError.
     """
     validate(description)
+    if description.camera is None:
+        raise DescriptionError("the scene has no camera")
     return _core.compile(description, threads, keep_uv, cancelled)
 
 

@@ -33,6 +33,7 @@ class DescriptionError(ValueError):
 
 # Largest picture side that is accepted; Blender's own limit.
 MAX_RESOLUTION = 65536
+_INT32_MAX = (1 << 31) - 1
 
 _LIGHT_KINDS = ("POINT", "SPOT", "SUN", "AREA")
 _SHAPES = ("RECTANGLE", "ELLIPSE")
@@ -133,6 +134,11 @@ def _check_at_least(name: str, field: str, value: float, low: float) -> None:
         _fail(name, f"{field} must be at least {low:g}, not {value:g}")
 
 
+def _check_whole(name: str, field: str, value: object) -> None:
+    if not isinstance(value, int | np.integer) or abs(int(value)) > _INT32_MAX:
+        _fail(name, f"{field} must be a whole number of 32 bits, not {value}")
+
+
 def _check_item(name: str, field: str, value: str, items: Sequence[str]) -> None:
     if value not in items:
         _fail(name, f"{field} must be one of {', '.join(items)}, not {value!r}")
@@ -154,7 +160,8 @@ def _check_mesh(mesh: Mesh) -> None:
     offsets = mesh.face_offsets
     if len(offsets) == 0 or offsets[0] != 0 or offsets[-1] != corners:
         _fail(name, f"face_offsets must go from 0 to the number of corners, {corners}")
-    small = np.diff(offsets) < 3
+    _check_range(name, "face_offsets", offsets, 0, corners + 1)
+    small = np.diff(offsets) < 3  # no overflow: all lie within 0 to the number of corners
     if small.any():
         _fail(name, f"face {int(np.argmax(small))} has fewer than three corners")
     faces = len(offsets) - 1
@@ -334,14 +341,20 @@ def _check_camera(camera: Camera) -> None:
     _check_numbers(name, "aperture_ratio", (camera.aperture_ratio,), 1)
     if not (camera.focus_distance > 0.0 and camera.aperture_ratio > 0.0):
         _fail(name, "focus_distance and aperture_ratio must be positive")
+    _check_whole(name, "blades", camera.blades)
     _check_at_least(name, "blades", camera.blades, 0)
 
 
 def _check_film(film: Film) -> None:
     name = "the film"
     for field in ("width", "height"):
-        if not 1 <= getattr(film, field) <= MAX_RESOLUTION:
-            _fail(name, f"{field} must lie in 1 to {MAX_RESOLUTION}, not {getattr(film, field)}")
+        value = getattr(film, field)
+        _check_whole(name, field, value)
+        if not 1 <= value <= MAX_RESOLUTION:
+            _fail(name, f"{field} must lie in 1 to {MAX_RESOLUTION}, not {value}")
+    _check_numbers(name, "crop", film.crop, 4)
+    for edge in film.crop:
+        _check_whole(name, "crop", edge)
     x0, y0, x1, y1 = film.crop
     if not (0 <= x0 < x1 <= film.width and 0 <= y0 < y1 <= film.height):
         _fail(name, f"crop {film.crop} is empty or outside of {film.width} x {film.height} pixels")

@@ -179,4 +179,15 @@ float Bsdf::mean_squared_roughness() const {
   return total > 0.0f ? sum / total : 0.0f;
 }
 
+Vec3f Bsdf::mean_normal() const {
+  if (lambert_) {
+    return ns_;
+  }
+  Vec3f sum{};
+  for (int i = 0; i < count_; ++i) {
+    sum += near_[i].normal * near_[i].select;
+  }
+  return length_squared(sum) > 0.0f ? normalize(sum) : ns_;
+}
+
 }  // namespace vernier

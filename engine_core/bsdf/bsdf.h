@@ -143,6 +143,8 @@ class Bsdf {
   // Mean squared roughness (alpha_x alpha_y; singular 0, diffuse 1) over sampling weights, as
   // Cycles' guiding and filters use: below 0.01 or so the surface is near specular.
   float mean_squared_roughness() const;
+  // The lobes' normals averaged over their sampling weights, unit; ns where there are none.
+  Vec3f mean_normal() const;
   // How many lobes were dropped because there was no room.
   int overflow() const { return overflow_; }
 

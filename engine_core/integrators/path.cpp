@@ -41,6 +41,9 @@ inline float power_heuristic(float a, float b) {
 constexpr int kLossless = 64;
 constexpr float kMostSurvival = 0.95f;
 
+// Surfaces less opaque than this leave normal, UV and depth to those behind (Blender's default).
+constexpr float kPassAlphaThreshold = 0.5f;
+
 // A path without end (no roulette, no limit, no loss) must still hear a cancel.
 constexpr uint32_t kPollVertices = 256;
 
@@ -126,8 +129,8 @@ class PathTracer {
         alpha_ -= average(beta_ * bsdf.holdout) * (on_film_ ? 1.0f : 0.0f);
       }
       if constexpr (F.passes) {
-        if (vertex == 0) {
-          record_first_hit(point, bsdf, to_camera);
+        if (on_film_) {
+          record_surface(point, bsdf, to_camera);
         }
       }
       if (!is_black(bsdf.emission)) {
@@ -204,17 +207,27 @@ class PathTracer {
     }
   }
 
-  void record_first_hit(const SurfacePoint& point, const Bsdf& bsdf, float to_camera) {
+  // A surface that the camera sees, perhaps through transparent ones. Colours add up over all of
+  // them; the rest is of the first that is opaque enough (Cycles: film_write_data_passes).
+  void record_surface(const SurfacePoint& point, const Bsdf& bsdf, float to_camera) {
     PassSample& s = pass_sample_;
-    s.depth = (to_camera + point.ray_length) * view_cosine(point);
+    const Color diffuse = beta_ * bsdf.albedo(kGroupMasks[kGroupDiffuse]);
+    const Color glossy = beta_ * bsdf.albedo(kGroupMasks[kGroupGlossy]);
+    const Color transmission = beta_ * bsdf.albedo(kGroupMasks[kGroupTransmission]);
+    s.diffuse_color += diffuse;
+    s.glossy_color += glossy;
+    s.transmission_color += transmission;
+    s.denoising_albedo += diffuse + glossy + transmission;
+    if (recorded_) {
+      return;
+    }
+    s.depth = (to_camera + travelled_) * view_cosine(point);
     s.position = scene_.to_world(point.p);
-    s.normal = point.ns;
-    s.denoising_normal = point.ns;
-    s.uv = scene_.uv(point);
-    s.diffuse_color = bsdf.albedo(kGroupMasks[kGroupDiffuse]);
-    s.glossy_color = bsdf.albedo(kGroupMasks[kGroupGlossy]);
-    s.transmission_color = bsdf.albedo(kGroupMasks[kGroupTransmission]);
-    s.denoising_albedo = s.diffuse_color + s.glossy_color + s.transmission_color;
+    if (average(bsdf.transparency) <= 1.0f - kPassAlphaThreshold) {
+      s.normal = s.denoising_normal = bsdf.mean_normal();
+      s.uv = scene_.uv(point);
+      recorded_ = true;
+    }
   }
   // Blender's depth is along the view axis for perspective and orthographic cameras alike.
   float view_cosine(const SurfacePoint& point) const {
@@ -402,6 +415,7 @@ class PathTracer {
   Color beta_ = splat(1.0f);
   float alpha_ = 1.0f;
   bool on_film_ = true;     // nothing but transparent surfaces since the camera
+  bool recorded_ = false;   // the passes of one surface have their values
   float pdf_ = 0.0f;        // of the current direction; 0: camera, or a singular bounce
   float travelled_ = 0.0f;  // distance from receiver_ along it
   Receiver receiver_;

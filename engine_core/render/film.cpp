@@ -12,6 +12,9 @@ bool is_sampled(Pass pass) {
   return pass != Pass::kCombined && info(pass).kind != PassKind::kDerived;
 }
 
+// Depth where there is no surface, as Blender's compositor expects it.
+constexpr float kNoDepth = 1e10f;
+
 // Light passes are divided by their colour when they are read: that colour must then be stored.
 PassSet with_colors(PassSet passes) {
   for (int i = 0; i < kPassCount; ++i) {
@@ -194,6 +197,10 @@ void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
                            ? values + channel_offset(passes_, what.color) : nullptr;
   const bool is_light = what.kind == PassKind::kLight || pass == Pass::kEmission ||
                         pass == Pass::kEnvironment;
+  if (pass == Pass::kDepth && p.samples > 0 && !(value[0] > 0.0f)) {
+    out[0] = kNoDepth;
+    return;
+  }
   for (size_t c = 0; c < what.channels.size(); ++c) {
     double v = static_cast<double>(value[c]);
     if (color != nullptr) {

@@ -110,8 +110,8 @@ class Node:
     """A shader node in Blender's vocabulary.
 
     `kind` is the node's `bl_idname`; `inputs` are keyed by socket identifier; `params` by RNA
-    property, enums as their identifiers. `engine_core.probe.node_kind_rows()` lists what the core knows.
-    Blender properties that are no plain values have these forms: `image` is an index into
+    property, enums as their identifiers. `engine_core.probe.node_kind_rows()` lists what the core
+    knows. Blender properties that are no plain values have these forms: `image` is an index into
     `SceneDescription.images` (-1: none chosen); a colour ramp is `ramp`, a flat float array of
     rows (position, r, g, b, a), with `interpolation` and `color_mode`; curves are sampled tables.
     """

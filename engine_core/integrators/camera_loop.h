@@ -1,7 +1,6 @@
 // The loop over a tile's pixels and samples that integrators starting at the camera share.
 #pragma once
 
-#include <bit>
 #include <type_traits>
 
 #include "camera/camera.h"
@@ -26,7 +25,6 @@ template <bool Passes, class Li>
 void render_camera_tile(const RenderContext& context, const Batch& batch, const Tile& tile,
                         TileBuffer& buffer, RenderStats& stats, const Li& li) {
   const Scene& scene = context.scene;
-  const int log2_samples = std::bit_width(batch.samples - 1u);
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; ++x) {
       const int frame_x = tile.x + x + scene.film.crop[0];
@@ -37,7 +35,7 @@ void render_camera_tile(const RenderContext& context, const Batch& batch, const 
           return;
         }
         const SobolSampler sampler(static_cast<uint32_t>(frame_x), static_cast<uint32_t>(frame_y),
-                                   s, log2_samples, batch.seed);
+                                   batch.first + s, batch.log2_capacity, batch.seed);
         const Vec2f offset =
             context.filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
         const Vec2f raster{static_cast<float>(frame_x) + 0.5f + offset.x,
@@ -55,7 +53,7 @@ void render_camera_tile(const RenderContext& context, const Batch& batch, const 
         }
         pixel.add(sample.radiance, sample.alpha);
         if constexpr (Passes) {
-          buffer.add_passes(x, y, pass_sample, batch.first && s == 0);
+          buffer.add_passes(x, y, pass_sample, batch.first + s == 0);
         }
       }
     }

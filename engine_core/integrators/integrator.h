@@ -11,11 +11,13 @@
 
 namespace vernier {
 
-// A batch is a pass over the whole frame with samples of its own, independent of other batches.
+// A batch is a pass over the whole frame: samples `first` to `first + samples` of every pixel, of
+// the 2^log2_capacity that the render's sequence has room for.
 struct Batch {
   uint64_t seed = 0;
+  uint32_t first = 0;
   uint32_t samples = 1;
-  bool first = false;   // holds the first sample of each pixel
+  int log2_capacity = 0;
 };
 
 // What a thread has done. Padded, so that threads do not share cache lines.

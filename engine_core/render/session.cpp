@@ -16,11 +16,13 @@ namespace {
 // Larger batches would make cancelling slow and change nothing.
 constexpr uint64_t kLargestBatch = 64;
 
-std::vector<uint32_t> plan_batches(uint64_t samples) {
-  std::vector<uint32_t> plan;
-  for (uint64_t total = 0; total < samples; total += plan.back()) {
-    const uint64_t size = std::min<uint64_t>(batch_samples(total), samples - total);
-    plan.push_back(static_cast<uint32_t>(size));
+std::vector<Batch> plan_batches(const Settings& settings) {
+  const auto samples = static_cast<uint32_t>(settings.samples);
+  const uint64_t seed = hash64(static_cast<uint64_t>(settings.seed));
+  std::vector<Batch> plan;
+  for (uint32_t first = 0; first < samples; first += plan.back().samples) {
+    const uint32_t size = std::min(batch_samples(first), samples - first);
+    plan.push_back({seed, first, size, static_cast<int>(std::bit_width(samples - 1u))});
   }
   return plan;
 }
@@ -40,7 +42,7 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
             passes, scene_->film.exposure),
       filter_(scene_->film.filter, scene_->film.filter_width),
       kernel_(choose_kernel(settings, scene_->requirements, film_.passes())),
-      plan_(plan_batches(static_cast<uint64_t>(settings.samples))),
+      plan_(plan_batches(settings)),
       thread_count_(resolve_threads(settings.threads)),
       stats_(static_cast<size_t>(thread_count_)),
       rays_(static_cast<size_t>(thread_count_)),
@@ -110,10 +112,7 @@ void Session::work(int thread) {
     size_t tile_number = 0;
     while (next_job(number, tile_number)) {
       const Tile& tile = film_.tiles()[tile_number];
-      Batch batch;
-      batch.seed = hash64(hash64(static_cast<uint64_t>(settings_.seed)) + number);
-      batch.samples = plan_[number];
-      batch.first = number == 0;
+      const Batch& batch = plan_[number];
       TileBuffer buffer(film_.passes(), tile);
       kernel_(context, batch, tile, buffer, film_.passes(), stats);
       if (cancelled_) {

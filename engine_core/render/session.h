@@ -17,9 +17,9 @@
 
 namespace vernier {
 
-// Samples of batch number `index`: batches grow with what has been rendered, so that the first
-// picture comes at once, later samples are stratified in large sets, and the error estimate always
-// has at least eight batches to go by once there are eight samples.
+// Samples of the batch that follows `total_before` samples: batches grow with what has been rendered,
+// so that the first picture comes at once and the error estimate has at least eight batches to go by
+// once there are eight samples. All are powers of two, and so are aligned blocks of the sequence.
 uint32_t batch_samples(uint64_t total_before);
 
 struct Progress {
@@ -74,7 +74,7 @@ class Session {
   Film film_;
   PixelFilter2d filter_;
   RenderTile kernel_;
-  std::vector<uint32_t> plan_;     // samples of each batch
+  std::vector<Batch> plan_;
   int thread_count_;
   std::vector<std::thread> threads_;
   std::vector<RenderStats> stats_;

@@ -24,7 +24,7 @@ struct Settings {
   int threads = 0;
   int direct_light = static_cast<int>(DirectLight::kMis);
   double light_fraction = 0.1;
-  double roulette_threshold = 1.0;
+  double roulette_threshold = 0.5;
   int roulette_start = 3;
   int max_bounces = -1;
   int diffuse_bounces = -1;

@@ -1,6 +1,6 @@
 // Owen-scrambled Sobol points whose error is distributed as blue noise over the frame.
 //
-// One two-dimensional Sobol (0,2)-sequence serves every dimension pair. The samples of a batch are
+// One two-dimensional Sobol (0,2)-sequence serves every dimension pair. The samples of a render are
 // numbered along a Morton curve of pixels, each pixel owning a run of 2^k consecutive numbers, and
 // each dimension pair visits the sequence in its own nested-uniform shuffle of these numbers. Any
 // aligned square of 4^j pixels then shares one stratified block, which moves the error to high
@@ -65,14 +65,14 @@ constexpr uint32_t morton(uint32_t x, uint32_t y) {
 
 class SobolSampler {
  public:
-  // Sample `index` (below 2^log2_samples) of a pixel in one batch. Equal arguments give equal
-  // points; batches with different seeds are independent.
-  SobolSampler(uint32_t x, uint32_t y, uint32_t index, int log2_samples, uint64_t batch_seed) {
+  // Sample `index` (below 2^log2_samples) of a pixel. Equal arguments give equal points; renders
+  // with different seeds are independent.
+  SobolSampler(uint32_t x, uint32_t y, uint32_t index, int log2_samples, uint64_t seed) {
     // Pixels beyond the square that 32 bits can number get a sequence of their own.
     const int side = (32 - log2_samples) / 2;
     const uint32_t low = side >= 16 ? 0xffffu : (1u << side) - 1u;
     const uint64_t tile = (static_cast<uint64_t>(x & ~low) << 32) | (y & ~low);
-    seed_ = hash64(batch_seed ^ hash64(tile));
+    seed_ = hash64(seed ^ hash64(tile));
     const uint32_t number = (morton(x & low, y & low) << log2_samples) | index;
     reversed_ = reverse_bits(number);
   }

@@ -120,6 +120,9 @@ uint32_t LightTree::sample(const Receiver& from, double u, float& pdf) const {
 }
 
 float LightTree::pdf(const Receiver& from, uint32_t light) const {
+  if (light >= light_places_.size() || light_places_[light].node == kNoIndex) {
+    return 0.0f;
+  }
   float pdf = 1.0f;
   Lanes weights;
   for (Place at = light_places_[light]; at.node != kNoIndex; at = node_places_[at.node]) {

@@ -7,8 +7,19 @@ from functools import cache
 import numpy as np
 import pytest
 from engine_core.description import Graph, Light, Link, Node
-from scenes import SceneBuilder, background, box, diffuse, emission, picture, pictures, quad, sphere
-from scenes import placed, shader
+from scenes import (
+    SceneBuilder,
+    background,
+    box,
+    diffuse,
+    emission,
+    picture,
+    pictures,
+    placed,
+    quad,
+    shader,
+    sphere,
+)
 from statistics_tools import Array, assert_equal_means, assert_mean_is
 
 SEEDS = 10

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import engine_core
 import numpy as np
 import pytest
-from engine_core import probe
 from scenes import SceneBuilder
 from scipy import stats
 from statistics_tools import SIGNIFICANCE, assert_chi_squared
+
+import engine_core
+from engine_core import probe
 
 
 @pytest.mark.parametrize("dimension", [0, 1, 5, 37])

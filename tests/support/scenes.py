@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import engine_core
 import numpy as np
 from engine_core.description import (
     Camera,
@@ -23,6 +22,8 @@ from engine_core.description import (
     World,
 )
 from numpy.typing import NDArray
+
+import engine_core
 
 Array = NDArray[np.float64]
 Vector = Sequence[float]

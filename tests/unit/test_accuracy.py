@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import engine_core
 import numpy as np
 import pytest
-from engine_core import probe
 from scenes import Array, SceneBuilder, background, diffuse, emission, placed, quad, sphere
 from scipy import stats
+
+import engine_core
+from engine_core import probe
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

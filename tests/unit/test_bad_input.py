@@ -7,10 +7,8 @@ import subprocess
 import sys
 from typing import Any
 
-import engine_core
 import numpy as np
 import pytest
-from engine_core import DescriptionError
 from engine_core.description import Graph, Image, Link, Material, Mesh, Node, SceneDescription
 from scenes import (
     Array,
@@ -26,6 +24,9 @@ from scenes import (
     shader,
     sphere,
 )
+
+import engine_core
+from engine_core import DescriptionError
 
 FLOAT32_MAX = 3.4e38
 EXTREMES = [1e-45, 1e-38, 1e-30, 1e-20, 1e10, 1e18, 1e20, 1e30, FLOAT32_MAX]

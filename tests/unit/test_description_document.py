@@ -9,6 +9,7 @@ from pathlib import Path
 
 import engine_core.description
 import pytest
+
 from engine_core import storage
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "scene_description.md"

@@ -9,12 +9,13 @@ import time
 from pathlib import Path
 from typing import Any
 
-import engine_core
 import numpy as np
 import pytest
 from engine_core.description import Film
 from numpy.typing import NDArray
 from scenes import SceneBuilder, background, box, diffuse, emission, placed, quad, shader, sphere
+
+import engine_core
 
 PASSES = [info.name for info in engine_core.passes()]
 Pictures = dict[str, NDArray[np.float32]]

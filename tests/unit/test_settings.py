@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import engine_core
 import pytest
-from engine_core import Parameter
 from scenes import SceneBuilder
+
+import engine_core
+from engine_core import Parameter
 
 ROWS = engine_core.parameters()
 NUMBERS = [row for row in ROWS if row.type != "enum"]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from engine_core import probe
 from numpy.typing import NDArray
+
+from engine_core import probe
 
 Array = NDArray[np.float64]
 

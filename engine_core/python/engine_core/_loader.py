@@ -21,9 +21,7 @@ def _available_levels() -> list[str]:
 
 
 def _choose_level() -> str:
-    from . import _cpu
-
-    best = _cpu.best_level()
+    best = importlib.import_module("engine_core._cpu").best_level()
     usable = [level for level in LEVELS if best and level <= best]
     forced = os.environ.get("VERNIER_ISA", "")
     if forced:

@@ -48,7 +48,8 @@ struct FirstChoice {
       add(distant_importance(table, i, from));
     }
     // Alone, the tree needs no weighing.
-    tree = table.distant.empty() ? 1.0f : table.tree.importance(from);
+    const bool alone = table.distant.empty() && !table.tree.empty();
+    tree = alone ? 1.0f : table.tree.importance(from);
     add(tree);
   }
   void add(float importance) {

@@ -132,7 +132,7 @@ def test_95_in_100_pixels_lie_within_their_stated_error(samples: int) -> None:
     truth, reference_error, _ = luminance_and_error(scene, 2048, 1000)
     mean = truth.mean()
     seeds = 6
-    inside = []
+    inside, actual, stated = [], [], []
     for seed in range(seeds):
         value, error, _ = luminance_and_error(scene, samples, seed)
         half_width = error * np.maximum(abs(value), 0.01 * mean)
@@ -140,9 +140,14 @@ def test_95_in_100_pixels_lie_within_their_stated_error(samples: int) -> None:
         # The reference is uncertain too: it shifts few pixels across the line, either way.
         assert np.median(slack) < 0.25 * np.median(half_width)
         inside.append(abs(value - truth) <= half_width)
+        actual.append((value - truth) ** 2)
+        stated.append(half_width**2)
     share = np.mean(inside)
     # Pixels share light paths' stratification, so the binomial bound is widened: the spread of the
     # share over seeds, and a margin for batches that are stratified better than single samples.
     shares = np.mean(inside, axis=(1, 2))
     error = shares.std(ddof=1) / math.sqrt(seeds)
-    assert 0.93 - 4 * error < share < 0.995
+    assert share > 0.93 - 4 * error
+    # The batches are parts of one net: the statement is on the safe side here, but not by far.
+    factor = probe.interval_factor(8 if samples == 16 else 16)
+    assert math.sqrt(np.mean(stated) / np.mean(actual)) < 2.5 * factor

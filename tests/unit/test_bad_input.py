@@ -295,7 +295,7 @@ def test_cameras_of_extreme_optics(value: float, kind: str) -> None:
     builder.camera((0, 0, 5), (0, 0, 0), kind=kind, window=(-value, value, -value, value))
     draw(builder)
     builder.camera((0, 0, value), (0, 0, 0), kind=kind, clip_start=min(value, 1e38))
-    builder.description.camera.clip_end = FLOAT32_MAX  # type: ignore[union-attr]
+    builder.description.camera.clip_end = FLOAT32_MAX
     draw(builder)
 
 

@@ -404,7 +404,7 @@ def test_paths_in_a_room_that_absorbs_nothing_end(kind: str, threshold: float) -
     """Roulette ends no path that carries all it began with: something else must."""
     builder = SceneBuilder((4, 4))
     inputs = {"Color": (1.0,) * 4, "Roughness": 0.0}
-    builder.add(box((-1, -1, -1), (1, 1, 1), inward=True), shader(kind, **inputs))  # type: ignore[arg-type]
+    builder.add(box((-1, -1, -1), (1, 1, 1), inward=True), shader(kind, **inputs))
     builder.camera((0, 0, 0.5), (0, 0, 0))
     scene = engine_core.compile(builder.description, threads=1)
     settings = {"samples": 2, "threads": 1, "roulette_threshold": threshold}

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "lights/lamp.h"
+#include "math/parallel.h"
 
 namespace vernier {
 
@@ -11,20 +12,24 @@ EnvironmentMap::EnvironmentMap(int resolution, const std::function<Color(Vec3f)>
   // Four points to a cell: what is smaller than a cell, such as a sun, is less often missed.
   const int fine = 2 * resolution;
   std::vector<float> cells(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
-  double sum = 0.0;
-  for (int y = 0; y < fine; ++y) {
-    for (int x = 0; x < fine; ++x) {
+  std::vector<double> sums(static_cast<size_t>(resolution));  // by row: added in order below
+  parallel_for(sums.size(), 0, [&](size_t row) {
+    for (int i = 0; i < 2 * fine; ++i) {
+      const int x = i % fine, y = 2 * static_cast<int>(row) + i / fine;
       const Vec2f p{(static_cast<float>(x) + 0.5f) / static_cast<float>(fine),
                     (static_cast<float>(y) + 0.5f) / static_cast<float>(fine)};
       const float value =
           0.25f *
           average(bounded_radiance(abs(radiance(normalize(square_to_sphere_equal_area(p))))));
       if (value > 0.0f) {
-        cells[static_cast<size_t>(y / 2) * static_cast<size_t>(resolution) +
-              static_cast<size_t>(x / 2)] += value;
-        sum += static_cast<double>(value);
+        cells[row * static_cast<size_t>(resolution) + static_cast<size_t>(x / 2)] += value;
+        sums[row] += static_cast<double>(value);
       }
     }
+  });
+  double sum = 0.0;
+  for (const double row : sums) {
+    sum += row;
   }
   mean_ = static_cast<float>(sum / static_cast<double>(cells.size()));
   map_ = PiecewiseConstant2D(cells, resolution, resolution);

@@ -49,7 +49,9 @@ class Reader {
   static string text(nb::handle o, const char* name) { return nb::cast<string>(o.attr(name)); }
   static float real(nb::handle o, const char* name) { return nb::cast<float>(o.attr(name)); }
   static int whole(nb::handle o, const char* name) { return nb::cast<int>(nb::int_(o.attr(name))); }
-  static bool truth(nb::handle o, const char* name) { return nb::cast<bool>(nb::bool_(o.attr(name))); }
+  static bool truth(nb::handle o, const char* name) {
+    return nb::cast<bool>(nb::bool_(o.attr(name)));
+  }
   static uint32_t bits(nb::handle o, const char* name) {
     return nb::cast<uint32_t>(nb::int_(o.attr(name)));
   }
@@ -115,9 +117,9 @@ class Reader {
   }
 
   InstancesDesc read_instances(nb::handle o) {
-    return {view<int32_t>(o, "mesh"),         view<float>(o, "transform"),
-            view<uint32_t>(o, "visibility"),  view<int32_t>(o, "material_set"),
-            view<float>(o, "random"),         view<int32_t>(o, "object")};
+    return {view<int32_t>(o, "mesh"),        view<float>(o, "transform"),
+            view<uint32_t>(o, "visibility"), view<int32_t>(o, "material_set"),
+            view<float>(o, "random"),        view<int32_t>(o, "object")};
   }
 
   static ObjectDesc read_object(nb::handle o) {
@@ -183,8 +185,8 @@ class Reader {
 
   CameraDesc read_camera(nb::handle o) {
     CameraDesc c;
-    c.kind = text(o, "kind") == "ORTHOGRAPHIC" ? CameraKind::kOrthographic
-                                               : CameraKind::kPerspective;
+    c.kind =
+        text(o, "kind") == "ORTHOGRAPHIC" ? CameraKind::kOrthographic : CameraKind::kPerspective;
     c.transform = transform(o);
     c.window = reals<4>(o, "window");
     c.clip_start = real(o, "clip_start");

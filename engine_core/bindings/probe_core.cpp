@@ -70,8 +70,8 @@ Result camera_connections(nb::handle handle, const Rows3& points, const Rows2& u
   const Camera& camera = *scene->camera;
   const Table table(points.shape(0), 9);
   for (size_t i = 0; i < table.rows; ++i) {
-    const auto c = camera.connect(camera.position() + camera.from_camera(vec3(points, i)),
-                                  vec2(u_lens, i));
+    const auto c =
+        camera.connect(camera.position() + camera.from_camera(vec3(points, i)), vec2(u_lens, i));
     if (!c) {
       continue;
     }

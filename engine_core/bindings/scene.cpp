@@ -64,12 +64,13 @@ std::shared_ptr<const Scene> scene_of(nb::handle handle) {
 
 void bind_scene(nb::module_& m) {
   nb::class_<SceneHandle>(m, "Scene", "A compiled scene; immutable.")
-      .def_prop_ro("warnings", [](const SceneHandle& s) { return s.scene->warnings; },
-                   "What was replaced or left out, a sentence each.")
+      .def_prop_ro(
+          "warnings", [](const SceneHandle& s) { return s.scene->warnings; },
+          "What was replaced or left out, a sentence each.")
       .def_prop_ro("requirements", &requirements, "What the scene needs of the renderer.")
-      .def_prop_ro("width", [](const SceneHandle& s) {
-        return s.scene->film.crop[2] - s.scene->film.crop[0];
-      })
+      .def_prop_ro(
+          "width",
+          [](const SceneHandle& s) { return s.scene->film.crop[2] - s.scene->film.crop[0]; })
       .def_prop_ro("height", [](const SceneHandle& s) {
         return s.scene->film.crop[3] - s.scene->film.crop[1];
       });

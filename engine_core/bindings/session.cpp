@@ -64,31 +64,33 @@ void bind_session(nb::module_& m) {
       .def_ro("cancelled", &Progress::cancelled);
 
   nb::class_<Session>(m, "Session", "A render in progress.")
-      .def("__init__",
-           [](Session* self, nb::handle scene, const std::map<std::string, SettingValue>& settings,
-              const std::vector<std::string>& passes) {
-             PassSet set;
-             for (const std::string& name : passes) {
-               set.add(pass_by_name(name));
-             }
-             new (self) Session(scene_of(scene), make_settings(settings), set);
-           },
-           nb::arg("scene"), nb::arg("settings"), nb::arg("passes"))
+      .def(
+          "__init__",
+          [](Session* self, nb::handle scene, const std::map<std::string, SettingValue>& settings,
+             const std::vector<std::string>& passes) {
+            PassSet set;
+            for (const std::string& name : passes) {
+              set.add(pass_by_name(name));
+            }
+            new (self) Session(scene_of(scene), make_settings(settings), set);
+          },
+          nb::arg("scene"), nb::arg("settings"), nb::arg("passes"))
       .def("start", &Session::start)
       .def("cancel", &Session::cancel, "Asks the threads to stop; returns at once.")
       .def("wait", &Session::wait, nb::arg("seconds"), nb::call_guard<nb::gil_scoped_release>(),
            "True when all threads have ended; waits at most `seconds`.")
       .def("poll", &Session::poll, nb::arg("with_error") = false,
            nb::call_guard<nb::gil_scoped_release>())
-      .def("take_tiles",
-           [](Session& s) {
-             std::vector<std::tuple<int, int, int, int>> tiles;
-             for (const Tile& t : s.take_tiles()) {
-               tiles.emplace_back(t.x, t.y, t.width, t.height);
-             }
-             return tiles;
-           },
-           "Rectangles (x, y, width, height) that have changed since the last call.")
+      .def(
+          "take_tiles",
+          [](Session& s) {
+            std::vector<std::tuple<int, int, int, int>> tiles;
+            for (const Tile& t : s.take_tiles()) {
+              tiles.emplace_back(t.x, t.y, t.width, t.height);
+            }
+            return tiles;
+          },
+          "Rectangles (x, y, width, height) that have changed since the last call.")
       .def("read", &read, nb::arg("name"), nb::arg("x"), nb::arg("y"), nb::arg("width"),
            nb::arg("height"), "The current estimate of a pass: (height, width, channels) float32.")
       .def_prop_ro("threads", &Session::thread_count)

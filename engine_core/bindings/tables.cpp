@@ -72,12 +72,13 @@ void bind_tables(nb::module_& m) {
   m.def("start_recording", &embree::start_recording, nb::arg("capacity"),
         "Scenes compiled from now on keep their rays; render them on one thread.");
   m.def("stop_recording", &embree::stop_recording);
-  m.def("replay",
-        [] {
-          const embree::ReplayResult r = embree::replay();
-          return nb::make_tuple(r.rays, r.seconds, r.hits);
-        },
-        "Casts the recorded rays again on one thread: (rays, seconds, hits).");
+  m.def(
+      "replay",
+      [] {
+        const embree::ReplayResult r = embree::replay();
+        return nb::make_tuple(r.rays, r.seconds, r.hits);
+      },
+      "Casts the recorded rays again on one thread: (rays, seconds, hits).");
   m.def("pass_rows", &pass_rows, "The table of passes, a dict per row.");
 }
 

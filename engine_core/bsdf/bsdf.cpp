@@ -80,8 +80,8 @@ void Bsdf::reuse(const Bsdf& prepared) {
     lobe = prepared.lobes_[i];
     lobe.normal = ns_;
     // Only lobes with a mirror direction ever are.
-    lobe.corrected = smooth_shaded && (is_microfacet(lobe.kind) ||
-                                       lobe.kind == LobeKind::kAshikhminShirley);
+    lobe.corrected =
+        smooth_shaded && (is_microfacet(lobe.kind) || lobe.kind == LobeKind::kAshikhminShirley);
   }
 }
 

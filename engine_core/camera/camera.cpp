@@ -56,8 +56,8 @@ Vec2f Camera::window_to_raster(Vec2f p) const {
 }
 
 Vec2f Camera::sample_lens(Vec2f u) const {
-  const Vec2f p = desc_.blades >= 3 ? sample_polygon(desc_.blades, desc_.blade_rotation, u)
-                                    : square_to_disk(u);
+  const Vec2f p =
+      desc_.blades >= 3 ? sample_polygon(desc_.blades, desc_.blade_rotation, u) : square_to_disk(u);
   return {p.x * desc_.aperture_radius / desc_.aperture_ratio, p.y * desc_.aperture_radius};
 }
 
@@ -149,8 +149,7 @@ std::optional<CameraConnection> Camera::connect(Vec3f p, Vec2f u_lens) const {
     }
   }
   c.raster = window_to_raster(window);
-  if (!(c.raster.x >= 0.0f && c.raster.x < width_ && c.raster.y >= 0.0f &&
-        c.raster.y < height_)) {
+  if (!(c.raster.x >= 0.0f && c.raster.x < width_ && c.raster.y >= 0.0f && c.raster.y < height_)) {
     return std::nullopt;
   }
   c.p_lens = position_ + frame_.to_world(lens);

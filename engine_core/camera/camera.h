@@ -19,12 +19,12 @@ struct CameraRay {
 
 // The camera seen from a point of the scene.
 struct CameraConnection {
-  Vec3f p_lens;           // point on the aperture
-  Vec3f wi;               // unit, from the point to p_lens
+  Vec3f p_lens;  // point on the aperture
+  Vec3f wi;      // unit, from the point to p_lens
   float distance = 0;
   Vec2f raster;
-  float importance = 0;   // We / pdf: pixel-filter-free, per pixel area (see Camera::importance)
-  float pdf = 0;          // solid angle at the point; pinhole: 1, a delta distribution
+  float importance = 0;  // We / pdf: pixel-filter-free, per pixel area (see Camera::importance)
+  float pdf = 0;         // solid angle at the point; pinhole: 1, a delta distribution
   float clip_begin = 0, clip_end = 0;  // part of the way from p_lens that is not clipped away
 };
 
@@ -62,7 +62,7 @@ class Camera {
   Vec2f window_to_raster(Vec2f window) const;
 
   CameraDesc desc_;
-  Frame frame_;      // s: right, t: up, n: backward
+  Frame frame_;  // s: right, t: up, n: backward
   Vec3f position_;
   float width_, height_;
   float window_area_;

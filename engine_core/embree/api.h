@@ -52,28 +52,28 @@ using ErrorFunction = void (*)(void* user, int code, const char* message);
 using ProgressFunction = bool (*)(void* user, double fraction);
 
 // name, result, parameters of every function that is resolved from the library.
-#define VERNIER_EMBREE_FUNCTIONS(X)                                                              \
-  X(rtcNewDevice, Device, (const char*))                                                         \
-  X(rtcReleaseDevice, void, (Device))                                                            \
-  X(rtcGetDeviceProperty, ptrdiff_t, (Device, DeviceProperty))                                   \
-  X(rtcGetDeviceError, int, (Device))                                                            \
-  X(rtcSetDeviceErrorFunction, void, (Device, ErrorFunction, void*))                             \
-  X(rtcNewScene, Scene, (Device))                                                                \
-  X(rtcReleaseScene, void, (Scene))                                                              \
-  X(rtcSetSceneFlags, void, (Scene, SceneFlags))                                                 \
-  X(rtcSetSceneBuildQuality, void, (Scene, BuildQuality))                                        \
-  X(rtcSetSceneProgressMonitorFunction, void, (Scene, ProgressFunction, void*))                  \
-  X(rtcAttachGeometryByID, void, (Scene, Geometry, uint32_t))                                    \
-  X(rtcCommitScene, void, (Scene))                                                               \
-  X(rtcNewGeometry, Geometry, (Device, GeometryType))                                            \
-  X(rtcReleaseGeometry, void, (Geometry))                                                        \
-  X(rtcCommitGeometry, void, (Geometry))                                                         \
-  X(rtcSetGeometryMask, void, (Geometry, uint32_t))                                              \
-  X(rtcSetGeometryInstancedScene, void, (Geometry, Scene))                                       \
-  X(rtcSetGeometryTransform, void, (Geometry, uint32_t, Format, const void*))                    \
-  X(rtcSetSharedGeometryBuffer, void,                                                            \
-    (Geometry, BufferType, uint32_t, Format, const void*, size_t, size_t, size_t))               \
-  X(rtcIntersect1, void, (Scene, RayHit*, void*))                                                \
+#define VERNIER_EMBREE_FUNCTIONS(X)                                                \
+  X(rtcNewDevice, Device, (const char*))                                           \
+  X(rtcReleaseDevice, void, (Device))                                              \
+  X(rtcGetDeviceProperty, ptrdiff_t, (Device, DeviceProperty))                     \
+  X(rtcGetDeviceError, int, (Device))                                              \
+  X(rtcSetDeviceErrorFunction, void, (Device, ErrorFunction, void*))               \
+  X(rtcNewScene, Scene, (Device))                                                  \
+  X(rtcReleaseScene, void, (Scene))                                                \
+  X(rtcSetSceneFlags, void, (Scene, SceneFlags))                                   \
+  X(rtcSetSceneBuildQuality, void, (Scene, BuildQuality))                          \
+  X(rtcSetSceneProgressMonitorFunction, void, (Scene, ProgressFunction, void*))    \
+  X(rtcAttachGeometryByID, void, (Scene, Geometry, uint32_t))                      \
+  X(rtcCommitScene, void, (Scene))                                                 \
+  X(rtcNewGeometry, Geometry, (Device, GeometryType))                              \
+  X(rtcReleaseGeometry, void, (Geometry))                                          \
+  X(rtcCommitGeometry, void, (Geometry))                                           \
+  X(rtcSetGeometryMask, void, (Geometry, uint32_t))                                \
+  X(rtcSetGeometryInstancedScene, void, (Geometry, Scene))                         \
+  X(rtcSetGeometryTransform, void, (Geometry, uint32_t, Format, const void*))      \
+  X(rtcSetSharedGeometryBuffer, void,                                              \
+    (Geometry, BufferType, uint32_t, Format, const void*, size_t, size_t, size_t)) \
+  X(rtcIntersect1, void, (Scene, RayHit*, void*))                                  \
   X(rtcOccluded1, void, (Scene, OcclusionRay*, void*))
 
 }  // namespace vernier::embree

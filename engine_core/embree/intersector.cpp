@@ -49,16 +49,15 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
     // Robust traversal: no ray slips between two triangles that share an edge.
     lib_.rtcSetSceneFlags(scene, embree::kSceneRobust);
     lib_.rtcSetSceneBuildQuality(scene, embree::kBuildHigh);
-    lib_.rtcSetSceneProgressMonitorFunction(
-        scene, poll_progress, const_cast<std::function<bool()>*>(&cancelled));
+    lib_.rtcSetSceneProgressMonitorFunction(scene, poll_progress,
+                                            const_cast<std::function<bool()>*>(&cancelled));
     return scene;
   };
   const auto attach_triangles = [&](embree::Scene scene, const Mesh& mesh, uint32_t id,
                                     uint32_t mask) {
     const GeometryGuard g{lib_, lib_.rtcNewGeometry(device_, embree::kTriangles)};
     lib_.rtcSetSharedGeometryBuffer(g.geometry, embree::kVertexBuffer, 0, embree::kFloat3,
-                                    mesh.positions.data(), 0, sizeof(Vec3f),
-                                    mesh.positions.size());
+                                    mesh.positions.data(), 0, sizeof(Vec3f), mesh.positions.size());
     lib_.rtcSetSharedGeometryBuffer(g.geometry, embree::kIndexBuffer, 0, embree::kUint3,
                                     mesh.triangles.data(), 0, 3 * sizeof(uint32_t),
                                     mesh.triangles.size());

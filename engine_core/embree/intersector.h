@@ -45,8 +45,7 @@ class Intersector {
   // with Embree: they must outlive this object, unchanged. `cancelled` is polled while building.
   // Throws std::runtime_error when Embree reports an error (out of memory) or on cancellation.
   Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-              std::span<const uint32_t> masks, int threads,
-              const std::function<bool()>& cancelled);
+              std::span<const uint32_t> masks, int threads, const std::function<bool()>& cancelled);
   ~Intersector();
   Intersector(const Intersector&) = delete;
   Intersector& operator=(const Intersector&) = delete;

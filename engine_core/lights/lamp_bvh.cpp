@@ -25,8 +25,8 @@ void LampBvh::build(std::span<LampBox> lamps) {
     nodes_[index].lamp = lamps[0].lamp;
   } else {
     const Vec3f extent = upper - lower;
-    const int axis = extent.x > extent.y ? (extent.x > extent.z ? 0 : 2)
-                                         : (extent.y > extent.z ? 1 : 2);
+    const int axis =
+        extent.x > extent.y ? (extent.x > extent.z ? 0 : 2) : (extent.y > extent.z ? 1 : 2);
     const size_t half = lamps.size() / 2;
     std::nth_element(lamps.begin(), lamps.begin() + static_cast<ptrdiff_t>(half), lamps.end(),
                      [axis](const LampBox& a, const LampBox& b) {

@@ -332,8 +332,8 @@ Color LightSampler::environment(Vec3f d, uint32_t flags, const PathDepth& depth)
 bool LightSampler::next_lamp_hit(const Ray& ray, Vec3f inverse_direction, float t_min,
                                  uint32_t mask, uint32_t& position, LightHit& hit) const {
   const LightTable& table = *table_;
-  for (uint32_t number = table.lamp_bvh.next(ray, inverse_direction, position);
-       number != kNoIndex; number = table.lamp_bvh.next(ray, inverse_direction, position)) {
+  for (uint32_t number = table.lamp_bvh.next(ray, inverse_direction, position); number != kNoIndex;
+       number = table.lamp_bvh.next(ray, inverse_direction, position)) {
     const Lamp& lamp = table.lamps[number];
     if ((lamp.visibility & mask) == 0 || (!lamp.hittable && (mask & kVisibleCamera) == 0)) {
       continue;

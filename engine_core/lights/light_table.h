@@ -28,7 +28,7 @@ struct LightTable {
   EnvironmentMap environment;
   TriangleIndex triangle_index;
 
-  LampBvh lamp_bvh;                // over lamps of finite size and place
+  LampBvh lamp_bvh;                       // over lamps of finite size and place
   LightTree tree;                         // over triangles and lamps at finite places
   std::vector<uint32_t> distant;          // suns and the environment: lights
   std::vector<float> distant_irradiance;  // of each, on the scale of the tree's

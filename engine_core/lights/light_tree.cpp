@@ -62,8 +62,7 @@ float LightTree::weigh(const Node& node, const Receiver& from, Lanes& weights) {
         std::max(cos_ib, kImportanceCosineFloor) * std::max(cos_x, kImportanceCosineFloor);
     const float weighted = node.intensity[i] * (outside > 0.0f ? cosines : 1.0f) /
                            std::max(nearest, std::numeric_limits<float>::min());
-    const float bounded =
-        std::min(std::max(weighted, kSmallestImportance), kLargestImportance);
+    const float bounded = std::min(std::max(weighted, kSmallestImportance), kLargestImportance);
     const bool reaches = node.intensity[i] > 0.0f && behind + dark == 0.0f;
     weights[i] = reaches ? bounded : 0.0f;
   }

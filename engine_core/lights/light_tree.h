@@ -1,7 +1,7 @@
 // A hierarchy over lights by which one is chosen in logarithmic time, in proportion to a bound of
 // what it sends to a receiver (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights
-// with Adaptive Tree Splitting"; no splitting: one light per choice). Nodes have eight children, side
-// by side in memory, whose importances are computed at once by vector instructions.
+// with Adaptive Tree Splitting"; no splitting: one light per choice). Nodes have eight children,
+// side by side in memory, whose importances are computed at once by vector instructions.
 #pragma once
 
 #include <array>
@@ -60,8 +60,8 @@ class LightTree {
     Lanes center_x{}, center_y{}, center_z{};
     Lanes half_x{}, half_y{}, half_z{};  // of the boxes
     Lanes axis_x{}, axis_y{}, axis_z{};
-    Lanes cos_o{}, sin_o{}, cos_e{};     // of the cones
-    Lanes one_sided{};                   // 1: shines along its normals only; 0: both ways
+    Lanes cos_o{}, sin_o{}, cos_e{};  // of the cones
+    Lanes one_sided{};                // 1: shines along its normals only; 0: both ways
     Lanes intensity{};
     std::array<uint32_t, kWidth> child{};  // a node's number, or a light's
     std::array<bool, kWidth> is_light{};
@@ -75,8 +75,8 @@ class LightTree {
   // The importance of every child, and their sum.
   static float weigh(const Node& node, const Receiver& from, Lanes& weights);
 
-  std::vector<Node> nodes_;         // the root first
-  std::vector<Place> node_places_;  // of each node
+  std::vector<Node> nodes_;          // the root first
+  std::vector<Place> node_places_;   // of each node
   std::vector<Place> light_places_;  // of each light, by its number
 };
 

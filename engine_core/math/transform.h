@@ -38,8 +38,8 @@ struct Transform {
     Vec3f e;
     for (int r = 0; r < 3; ++r) {
       const auto i = static_cast<size_t>(4 * r);
-      const float moved = std::abs(m[i]) * error.x + std::abs(m[i + 1]) * error.y +
-                          std::abs(m[i + 2]) * error.z;
+      const float moved =
+          std::abs(m[i]) * error.x + std::abs(m[i + 1]) * error.y + std::abs(m[i + 2]) * error.z;
       const float rounded = std::abs(m[i] * p.x) + std::abs(m[i + 1] * p.y) +
                             std::abs(m[i + 2] * p.z) + std::abs(m[i + 3]);
       e[r] = (1.0f + gamma(4)) * moved + gamma(4) * rounded;

@@ -126,9 +126,7 @@ struct Vec4f {
   constexpr Vec3f xyz() const { return {x, y, z}; }
 };
 
-constexpr Vec4f operator+(Vec4f a, Vec4f b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w};
-}
+constexpr Vec4f operator+(Vec4f a, Vec4f b) { return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
 constexpr Vec4f operator*(Vec4f a, float s) { return {a.x * s, a.y * s, a.z * s, a.w * s}; }
 
 }  // namespace vernier

@@ -28,9 +28,7 @@ struct BounceLimits {
   }
 
  private:
-  static int limit(int setting) {
-    return setting < 0 ? std::numeric_limits<int>::max() : setting;
-  }
+  static int limit(int setting) { return setting < 0 ? std::numeric_limits<int>::max() : setting; }
 };
 
 // A counter that stays at its largest value.

@@ -2,13 +2,13 @@
 //
 // A render is a sequence of batches. From batch means m_b of n_b samples each,
 //   m = sum n_b m_b / N,   s^2 = sum n_b (m_b - m)^2 / (B - 1),   standard error = sqrt(s^2 / N),
-// which estimates N times the variance of m for independent batches, whatever correlates the samples
-// within one. The batches of a camera integrator are consecutive blocks of one scrambled net: each
-// fills the gaps of the others, so the true error is smaller than stated where the picture is smooth
-// (the statement is then on the safe side), and as stated where noise comes from rare paths.
-// A pixel's error is the half-width of its 95 % confidence interval relative to its value, or to
-// 1 % of the picture's mean luminance where that is more. A picture's error is the 95th percentile
-// of its pixels' errors.
+// which estimates N times the variance of m for independent batches, whatever correlates the
+// samples within one. The batches of a camera integrator are consecutive blocks of one scrambled
+// net: each fills the gaps of the others, so the true error is smaller than stated where the
+// picture is smooth (the statement is then on the safe side), and as stated where noise comes from
+// rare paths. A pixel's error is the half-width of its 95 % confidence interval relative to its
+// value, or to 1 % of the picture's mean luminance where that is more. A picture's error is the
+// 95th percentile of its pixels' errors.
 #pragma once
 
 #include <span>

@@ -47,24 +47,43 @@ void write(const Vec3f& v, float* out) { out[0] = v.x, out[1] = v.y, out[2] = v.
 void write_pass(Pass pass, const PassSample& s, float* out) {
   switch (pass) {
     case Pass::kDepth:
-    case Pass::kDenoisingDepth: out[0] = s.depth; return;
-    case Pass::kPosition: return write(s.position, out);
-    case Pass::kNormal: return write(s.normal, out);
-    case Pass::kUv: return write(s.uv, out);
-    case Pass::kDiffuseDirect: return write(s.direct[0], out);
-    case Pass::kDiffuseIndirect: return write(s.indirect[0], out);
-    case Pass::kDiffuseColor: return write(s.diffuse_color, out);
-    case Pass::kGlossyDirect: return write(s.direct[1], out);
-    case Pass::kGlossyIndirect: return write(s.indirect[1], out);
-    case Pass::kGlossyColor: return write(s.glossy_color, out);
-    case Pass::kTransmissionDirect: return write(s.direct[2], out);
-    case Pass::kTransmissionIndirect: return write(s.indirect[2], out);
-    case Pass::kTransmissionColor: return write(s.transmission_color, out);
-    case Pass::kEmission: return write(s.emission, out);
-    case Pass::kEnvironment: return write(s.environment, out);
-    case Pass::kDenoisingNormal: return write(s.denoising_normal, out);
-    case Pass::kDenoisingAlbedo: return write(s.denoising_albedo, out);
-    default: return;
+    case Pass::kDenoisingDepth:
+      out[0] = s.depth;
+      return;
+    case Pass::kPosition:
+      return write(s.position, out);
+    case Pass::kNormal:
+      return write(s.normal, out);
+    case Pass::kUv:
+      return write(s.uv, out);
+    case Pass::kDiffuseDirect:
+      return write(s.direct[0], out);
+    case Pass::kDiffuseIndirect:
+      return write(s.indirect[0], out);
+    case Pass::kDiffuseColor:
+      return write(s.diffuse_color, out);
+    case Pass::kGlossyDirect:
+      return write(s.direct[1], out);
+    case Pass::kGlossyIndirect:
+      return write(s.indirect[1], out);
+    case Pass::kGlossyColor:
+      return write(s.glossy_color, out);
+    case Pass::kTransmissionDirect:
+      return write(s.direct[2], out);
+    case Pass::kTransmissionIndirect:
+      return write(s.indirect[2], out);
+    case Pass::kTransmissionColor:
+      return write(s.transmission_color, out);
+    case Pass::kEmission:
+      return write(s.emission, out);
+    case Pass::kEnvironment:
+      return write(s.environment, out);
+    case Pass::kDenoisingNormal:
+      return write(s.denoising_normal, out);
+    case Pass::kDenoisingAlbedo:
+      return write(s.denoising_albedo, out);
+    default:
+      return;
   }
 }
 
@@ -119,9 +138,7 @@ Film::Film(int width, int height, PassSet passes, float exposure)
   locks_ = std::make_unique<std::mutex[]>(tiles_.size());
 }
 
-double Film::luminance_sum(const Pixel& p) {
-  return 0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b;
-}
+double Film::luminance_sum(const Pixel& p) { return 0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b; }
 
 void Film::merge(size_t tile, uint64_t batch, TileBuffer&& buffer) {
   const std::lock_guard lock(locks_[tile]);
@@ -186,17 +203,17 @@ void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
     return;
   }
   if (pass == Pass::kError) {
-    out[0] = p.batches < 2 ? 0.0f
-                           : static_cast<float>(relative_error(luminance_sum(p) * inv,
-                                                               half_width(p), mean));
+    out[0] = p.batches < 2
+                 ? 0.0f
+                 : static_cast<float>(relative_error(luminance_sum(p) * inv, half_width(p), mean));
     return;
   }
   const float* values = values_.data() + pixel * static_cast<size_t>(sampled_channels(passes_));
   const float* value = values + channel_offset(passes_, pass);
-  const float* color = what.kind == PassKind::kLight
-                           ? values + channel_offset(passes_, what.color) : nullptr;
-  const bool is_light = what.kind == PassKind::kLight || pass == Pass::kEmission ||
-                        pass == Pass::kEnvironment;
+  const float* color =
+      what.kind == PassKind::kLight ? values + channel_offset(passes_, what.color) : nullptr;
+  const bool is_light =
+      what.kind == PassKind::kLight || pass == Pass::kEmission || pass == Pass::kEnvironment;
   if (pass == Pass::kDepth && p.samples > 0 && !(value[0] > 0.0f)) {
     out[0] = kNoDepth;
     return;
@@ -227,8 +244,8 @@ void Film::read(Pass pass, const Tile& area, std::span<float> out) const {
       for (int x = x0; x < x1; ++x) {
         const size_t to = static_cast<size_t>(y - area.y) * static_cast<size_t>(area.width) +
                           static_cast<size_t>(x - area.x);
-        const size_t from = static_cast<size_t>(y) * static_cast<size_t>(width_) +
-                            static_cast<size_t>(x);
+        const size_t from =
+            static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
         read_pixel(pass, from, mean, out.data() + to * channels);
       }
     }
@@ -243,8 +260,8 @@ double Film::mean_luminance() const {
     const std::lock_guard lock(locks_[i]);
     for (int y = t.y; y < t.y + t.height; ++y) {
       for (int x = t.x; x < t.x + t.width; ++x) {
-        const Pixel& p = pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) +
-                                 static_cast<size_t>(x)];
+        const Pixel& p =
+            pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
         if (p.samples > 0) {
           sum += luminance_sum(p) / p.samples;
           ++count;
@@ -264,8 +281,8 @@ double Film::error() const {
     const std::lock_guard lock(locks_[i]);
     for (int y = t.y; y < t.y + t.height; ++y) {
       for (int x = t.x; x < t.x + t.width; ++x) {
-        const Pixel& p = pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) +
-                                 static_cast<size_t>(x)];
+        const Pixel& p =
+            pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
         if (p.samples > 0) {
           errors.push_back(static_cast<float>(
               relative_error(luminance_sum(p) / p.samples, half_width(p), mean)));

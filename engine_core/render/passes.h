@@ -48,7 +48,7 @@ struct PassInfo {
   std::string_view channels;     // "RGBA", "XYZ", ...: one letter a channel
   std::string_view type;         // Blender's: COLOR, VECTOR, VALUE
   PassKind kind;
-  Pass color = Pass::kCount;     // of kLight: the pass it is divided by
+  Pass color = Pass::kCount;  // of kLight: the pass it is divided by
 };
 
 inline constexpr std::array<PassInfo, kPassCount> kPasses{{
@@ -63,8 +63,7 @@ inline constexpr std::array<PassInfo, kPassCount> kPasses{{
     {"Glossy Direct", "GlossDir", "RGB", "COLOR", PassKind::kLight, Pass::kGlossyColor},
     {"Glossy Indirect", "GlossInd", "RGB", "COLOR", PassKind::kLight, Pass::kGlossyColor},
     {"Glossy Color", "GlossCol", "RGB", "COLOR", PassKind::kAverage},
-    {"Transmission Direct", "TransDir", "RGB", "COLOR", PassKind::kLight,
-     Pass::kTransmissionColor},
+    {"Transmission Direct", "TransDir", "RGB", "COLOR", PassKind::kLight, Pass::kTransmissionColor},
     {"Transmission Indirect", "TransInd", "RGB", "COLOR", PassKind::kLight,
      Pass::kTransmissionColor},
     {"Transmission Color", "TransCol", "RGB", "COLOR", PassKind::kAverage},

@@ -38,8 +38,8 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
     : scene_(std::move(scene)),
       settings_(settings),
       passes_(passes),
-      film_(scene_->film.crop[2] - scene_->film.crop[0], scene_->film.crop[3] - scene_->film.crop[1],
-            passes, scene_->film.exposure),
+      film_(scene_->film.crop[2] - scene_->film.crop[0],
+            scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure),
       filter_(scene_->film.filter, scene_->film.filter_width),
       kernel_(choose_kernel(settings, scene_->requirements, film_.passes())),
       plan_(plan_batches(settings)),
@@ -119,8 +119,8 @@ void Session::work(int thread) {
         break;  // pixels of an unfinished tile would have a batch of another size
       }
       film_.merge(tile_number, number, std::move(buffer));
-      pixel_samples_ += static_cast<uint64_t>(batch.samples) *
-                        static_cast<uint64_t>(tile.width) * static_cast<uint64_t>(tile.height);
+      pixel_samples_ += static_cast<uint64_t>(batch.samples) * static_cast<uint64_t>(tile.width) *
+                        static_cast<uint64_t>(tile.height);
       rays_[static_cast<size_t>(thread)] = stats.rays;
       const std::lock_guard lock(mutex_);
       changed_[tile_number] = true;

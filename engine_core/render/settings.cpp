@@ -31,24 +31,33 @@ constexpr std::array kFilters{
 
 constexpr double kMany = 2147483647.0;
 
-Parameter integer(std::string_view group, std::string_view name, int Settings::*member,
+Parameter integer(std::string_view group, std::string_view name, int Settings::* member,
                   double minimum, double maximum, double soft_minimum, double soft_maximum,
                   std::string_view label, std::string_view description,
                   std::string_view unit = "") {
-  return {name, group, label, description, unit, member, nullptr,
-          minimum, maximum, soft_minimum, soft_maximum, {}};
+  return {name,    group,   label,   description,  unit,         member,
+          nullptr, minimum, maximum, soft_minimum, soft_maximum, {}};
 }
-Parameter real(std::string_view group, std::string_view name, double Settings::*member,
+Parameter real(std::string_view group, std::string_view name, double Settings::* member,
                double minimum, double maximum, double soft_minimum, double soft_maximum,
                std::string_view label, std::string_view description, std::string_view unit = "") {
-  return {name, group, label, description, unit, nullptr, member,
-          minimum, maximum, soft_minimum, soft_maximum, {}};
+  return {name,   group,   label,   description,  unit,         nullptr,
+          member, minimum, maximum, soft_minimum, soft_maximum, {}};
 }
-Parameter choice(std::string_view group, std::string_view name, int Settings::*member,
+Parameter choice(std::string_view group, std::string_view name, int Settings::* member,
                  std::span<const EnumItem> items, std::string_view label,
                  std::string_view description) {
-  return {name, group, label, description, "", member, nullptr,
-          0, static_cast<double>(items.size() - 1), 0, static_cast<double>(items.size() - 1),
+  return {name,
+          group,
+          label,
+          description,
+          "",
+          member,
+          nullptr,
+          0,
+          static_cast<double>(items.size() - 1),
+          0,
+          static_cast<double>(items.size() - 1),
           items};
 }
 
@@ -58,8 +67,7 @@ const std::array kParameters{
     integer("sampling", "samples", &Settings::samples, 1, 1 << 24, 1, 4096, "Samples",
             "Samples per pixel"),
     real("sampling", "time_limit", &Settings::time_limit, 0, 1e9, 0, 3600, "Time Limit",
-         "Stop after this time; 0: no limit. Whichever of samples and time ends first counts",
-         "s"),
+         "Stop after this time; 0: no limit. Whichever of samples and time ends first counts", "s"),
     integer("sampling", "seed", &Settings::seed, 0, kMany, 0, kMany, "Seed",
             "Equal seeds give equal pictures"),
     integer("performance", "threads", &Settings::threads, 0, 1024, 0, 64, "Threads",
@@ -80,8 +88,8 @@ const std::array kParameters{
             "Diffuse Bounces", "Most diffuse reflections on a path; -1: no limit"),
     integer("light_paths", "glossy_bounces", &Settings::glossy_bounces, -1, 1 << 16, -1, 64,
             "Glossy Bounces", "Most glossy reflections on a path; -1: no limit"),
-    integer("light_paths", "transmission_bounces", &Settings::transmission_bounces, -1, 1 << 16,
-            -1, 64, "Transmission Bounces", "Most transmissions on a path; -1: no limit"),
+    integer("light_paths", "transmission_bounces", &Settings::transmission_bounces, -1, 1 << 16, -1,
+            64, "Transmission Bounces", "Most transmissions on a path; -1: no limit"),
     integer("light_paths", "transparent_bounces", &Settings::transparent_bounces, -1, 1 << 16, -1,
             64, "Transparent Bounces", "Most transparent surfaces passed; -1: no limit"),
     real("light_paths", "clamp_direct", &Settings::clamp_direct, 0, 1e9, 0, 100, "Clamp Direct",

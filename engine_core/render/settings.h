@@ -48,8 +48,8 @@ using SettingValue = std::variant<int64_t, double, std::string>;
 // One row of the table. Exactly one of the two members is set; an enum is an int with `items`.
 struct Parameter {
   std::string_view name, group, label, description, unit;
-  int Settings::*integer = nullptr;
-  double Settings::*real = nullptr;
+  int Settings::* integer = nullptr;
+  double Settings::* real = nullptr;
   double minimum = 0, maximum = 0;            // of what is accepted
   double soft_minimum = 0, soft_maximum = 0;  // of a slider
   std::span<const EnumItem> items = {};

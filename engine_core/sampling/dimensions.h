@@ -12,10 +12,10 @@ enum class CameraDim : uint32_t { kFilter = 0, kLens = 1, kCount = 2 };
 
 // Pairs that each vertex of a path owns.
 enum class BounceDim : uint32_t {
-  kDirection = 0,     // the point within the lobe
-  kLobe = 1,          // x: which lobe; y: Russian roulette
-  kLightPoint = 2,    // the point on the light
-  kLightChoice = 3,   // x: which light; y: which estimator, where there is a choice
+  kDirection = 0,    // the point within the lobe
+  kLobe = 1,         // x: which lobe; y: Russian roulette
+  kLightPoint = 2,   // the point on the light
+  kLightChoice = 3,  // x: which light; y: which estimator, where there is a choice
   kCount = 4,
 };
 

@@ -9,8 +9,10 @@ namespace {
 // x in [-1/2, 1/2] of the full extent.
 double shape(FilterKind kind, double x) {
   switch (kind) {
-    case FilterKind::kBox: return 1.0;
-    case FilterKind::kGaussian: return std::exp(-72.0 * x * x);
+    case FilterKind::kBox:
+      return 1.0;
+    case FilterKind::kGaussian:
+      return std::exp(-72.0 * x * x);
     case FilterKind::kBlackmanHarris: {
       const double v = 2.0 * std::numbers::pi * (x + 0.5);
       return 0.35875 - 0.48829 * std::cos(v) + 0.14128 * std::cos(2 * v) -
@@ -23,9 +25,12 @@ double shape(FilterKind kind, double x) {
 // The full extent in units of the width that Blender names (scene/film.cpp).
 float extent(FilterKind kind) {
   switch (kind) {
-    case FilterKind::kBox: return 1.0f;
-    case FilterKind::kGaussian: return 3.0f;
-    case FilterKind::kBlackmanHarris: return 2.0f;
+    case FilterKind::kBox:
+      return 1.0f;
+    case FilterKind::kGaussian:
+      return 3.0f;
+    case FilterKind::kBlackmanHarris:
+      return 2.0f;
   }
   return 1.0f;
 }

@@ -83,10 +83,9 @@ class SceneCompiler {
     compile_instances();
     build_intersector();
     scene_->film = desc_.film;
-    scene_->camera =
-        std::make_unique<Camera>(desc_.camera, desc_.film, scene_->origin_.data());
-    scene_->lights = std::make_unique<LightSampler>(*scene_, desc_.lights,
-                                                    std::move(lamp_shaders_), scene_->warnings);
+    scene_->camera = std::make_unique<Camera>(desc_.camera, desc_.film, scene_->origin_.data());
+    scene_->lights = std::make_unique<LightSampler>(*scene_, desc_.lights, std::move(lamp_shaders_),
+                                                    scene_->warnings);
     collect_requirements();
     return scene_;
   }
@@ -115,9 +114,9 @@ class SceneCompiler {
     s.materials.push_back(compile_material(default_graph(), "Default", context));
     s.material_pass_indices.push_back(0.0f);
     for (const LightDesc& light : desc_.lights) {
-      lamp_shaders_.push_back(
-          light.graph.surface.node < 0 ? nullptr
-                                       : compile_material(light.graph, light.name, context));
+      lamp_shaders_.push_back(light.graph.surface.node < 0
+                                  ? nullptr
+                                  : compile_material(light.graph, light.name, context));
     }
     if (desc_.world.graph.surface.node >= 0) {
       s.world = compile_material(desc_.world.graph, "World", context);
@@ -151,8 +150,8 @@ class SceneCompiler {
       // Rounded to float32, so that differences to float32 coordinates are exact or nearly so.
       scene_->origin_[a] =
           static_cast<double>(static_cast<float>(0.5 * (all.lower[a] + all.upper[a])));
-      const double half = std::max(all.upper[a] - scene_->origin_[a],
-                                   scene_->origin_[a] - all.lower[a]);
+      const double half =
+          std::max(all.upper[a] - scene_->origin_[a], scene_->origin_[a] - all.lower[a]);
       radius2 += half * half;
     }
     scene_->center = {};
@@ -212,9 +211,8 @@ class SceneCompiler {
       if (task.instance != kShared) {
         to_render_matrix(task.instance, to_render);
       }
-      scene_->meshes[i] =
-          compile_mesh(desc_.meshes[task.desc], scene_->attribute_names,
-                       task.instance == kShared ? nullptr : to_render, threads);
+      scene_->meshes[i] = compile_mesh(desc_.meshes[task.desc], scene_->attribute_names,
+                                       task.instance == kShared ? nullptr : to_render, threads);
       scene_->meshes[i].instanced = task.instance == kShared;
       if (task.instance != kShared) {
         Transform t;
@@ -258,8 +256,7 @@ class SceneCompiler {
         instance.object = static_cast<uint32_t>(in.object[i]);
         instance.visibility = in.visibility[i];
         instance.material_offset = set_offsets[set];
-        instance.slot_count =
-            std::max(1u, static_cast<uint32_t>(desc_.material_sets[set].size()));
+        instance.slot_count = std::max(1u, static_cast<uint32_t>(desc_.material_sets[set].size()));
         instance.random = in.random[i];
         std::copy_n(matrix(i).begin(), 12, instance.object_to_world.m.begin());
         instance.world_to_object = inverse(instance.object_to_world);
@@ -292,8 +289,8 @@ class SceneCompiler {
       }
     }
     if (!s.instances.empty()) {
-      s.intersector_ = std::make_unique<Intersector>(s.meshes, s.instances, masks,
-                                                     options_.threads, options_.cancelled);
+      s.intersector_ = std::make_unique<Intersector>(s.meshes, s.instances, masks, options_.threads,
+                                                     options_.cancelled);
     }
   }
 
@@ -320,7 +317,8 @@ class SceneCompiler {
       const MaterialTraits& traits = s.materials[i]->traits();
       ++(traits.is_constant ? r.constant_materials : r.program_materials);
       r.programs = r.programs || !traits.is_constant;
-      r.textured_emission = r.textured_emission || (traits.is_emissive && !traits.emission_constant);
+      r.textured_emission =
+          r.textured_emission || (traits.is_emissive && !traits.emission_constant);
       r.singular_lobes = r.singular_lobes || (traits.lobes & kLobeSingular) != 0;
       r.transmission = r.transmission || (traits.lobes & kLobeTransmission) != 0;
       matte = matte || (traits.lobes & kLobeDiffuse) != 0;

@@ -11,9 +11,8 @@ constexpr size_t kChunk = size_t{1} << 16;  // elements per task
 
 template <typename Body>
 void for_each_chunk(size_t count, int threads, const Body& body) {
-  parallel_for((count + kChunk - 1) / kChunk, threads, [&](size_t chunk) {
-    body(chunk * kChunk, std::min(count, (chunk + 1) * kChunk));
-  });
+  parallel_for((count + kChunk - 1) / kChunk, threads,
+               [&](size_t chunk) { body(chunk * kChunk, std::min(count, (chunk + 1) * kChunk)); });
 }
 
 Vec3f read_vec3(std::span<const float> data, size_t i) {

@@ -39,7 +39,7 @@ struct MeshDesc {
   std::vector<AttributeDesc> attributes;
   // Object-space box that the generated coordinates map to [0,1]^3.
   Vec3f texture_space_min{-1, -1, -1}, texture_space_max{1, 1, 1};
-  std::string active_uv;                     // the UV map that nodes which name none use
+  std::string active_uv;  // the UV map that nodes which name none use
 };
 
 // Bits of ray visibility, as Blender's object and light options have them.
@@ -53,12 +53,12 @@ enum Visibility : uint32_t {
 };
 
 struct InstancesDesc {
-  std::span<const int32_t> mesh;           // index into meshes
-  std::span<const float> transform;        // 12 each: rows of the 3x4 object-to-world matrix
-  std::span<const uint32_t> visibility;    // Visibility bits
-  std::span<const int32_t> material_set;   // index into material_sets
-  std::span<const float> random;           // Object Info's random, [0, 1)
-  std::span<const int32_t> object;         // index into objects
+  std::span<const int32_t> mesh;          // index into meshes
+  std::span<const float> transform;       // 12 each: rows of the 3x4 object-to-world matrix
+  std::span<const uint32_t> visibility;   // Visibility bits
+  std::span<const int32_t> material_set;  // index into material_sets
+  std::span<const float> random;          // Object Info's random, [0, 1)
+  std::span<const int32_t> object;        // index into objects
 };
 
 // What an instance's object tells to shaders and passes.
@@ -73,10 +73,10 @@ struct ObjectDesc {
 
 // An input of a shader node: a constant, or (node >= 0) another node's output.
 struct NodeInput {
-  std::string name;               // Blender's socket identifier
-  std::array<float, 4> value{};   // scalar in [0]; vector in [0..2]; colour RGBA
+  std::string name;              // Blender's socket identifier
+  std::array<float, 4> value{};  // scalar in [0]; vector in [0..2]; colour RGBA
   int32_t node = -1;
-  std::string output;             // the source's socket identifier
+  std::string output;  // the source's socket identifier
 };
 
 using ParamValue = std::variant<bool, int64_t, double, std::string, std::vector<float>>;
@@ -128,25 +128,25 @@ enum class AreaShape : uint8_t { kRectangle, kEllipse };
 struct LightDesc {
   std::string name;
   LightKind kind = LightKind::kPoint;
-  Transform transform;             // light to world; it shines along -z
-  Color emission{1, 1, 1};         // colour times power: watts (sun: W/m^2 at normal incidence)
-  bool normalize = true;           // area lights: emission is spread over the surface
-  float radius = 0.0f;             // point, spot: metres
-  bool soft_falloff = true;        // point, spot: Blender's soft falloff
-  float spot_angle = 0.785398f;    // full cone angle, radians
-  float spot_blend = 0.15f;        // [0, 1]
+  Transform transform;           // light to world; it shines along -z
+  Color emission{1, 1, 1};       // colour times power: watts (sun: W/m^2 at normal incidence)
+  bool normalize = true;         // area lights: emission is spread over the surface
+  float radius = 0.0f;           // point, spot: metres
+  bool soft_falloff = true;      // point, spot: Blender's soft falloff
+  float spot_angle = 0.785398f;  // full cone angle, radians
+  float spot_blend = 0.15f;      // [0, 1]
   AreaShape shape = AreaShape::kRectangle;
   float size_x = 1.0f, size_y = 1.0f;  // metres, before `transform`
-  float spread = 3.14159265f;      // full angle, radians
-  float sun_angle = 0.0f;          // full angular diameter, radians
+  float spread = 3.14159265f;          // full angle, radians
+  float sun_angle = 0.0f;              // full angular diameter, radians
   uint32_t visibility = kVisibleAll & ~kVisibleCamera;
   bool cast_shadow = true;
   bool use_mis = true;
-  GraphDesc graph;                 // emission shader that multiplies; empty: none
+  GraphDesc graph;  // emission shader that multiplies; empty: none
 };
 
 struct WorldDesc {
-  GraphDesc graph;                 // a Background shader; empty: black
+  GraphDesc graph;  // a Background shader; empty: black
   uint32_t visibility = kVisibleAll;
 };
 
@@ -154,16 +154,16 @@ enum class CameraKind : uint8_t { kPerspective, kOrthographic };
 
 struct CameraDesc {
   CameraKind kind = CameraKind::kPerspective;
-  Transform transform;             // camera to world, scale removed; it looks along -z, +y is up
+  Transform transform;  // camera to world, scale removed; it looks along -z, +y is up
   // The picture's full rectangle (before any border) on the plane z = -1 (perspective: tangents)
   // or in metres (orthographic): left, right, bottom, top. Lens shift is part of it.
   std::array<float, 4> window{-0.36f, 0.36f, -0.2025f, 0.2025f};
   float clip_start = 0.1f, clip_end = 1000.0f;  // metres along the view axis
-  float aperture_radius = 0.0f;    // metres; 0: pinhole
-  float focus_distance = 10.0f;    // metres along the view axis
-  int32_t blades = 0;              // fewer than 3: a disk
-  float blade_rotation = 0.0f;     // radians
-  float aperture_ratio = 1.0f;     // anamorphic: width of the bokeh is divided by it
+  float aperture_radius = 0.0f;                 // metres; 0: pinhole
+  float focus_distance = 10.0f;                 // metres along the view axis
+  int32_t blades = 0;                           // fewer than 3: a disk
+  float blade_rotation = 0.0f;                  // radians
+  float aperture_ratio = 1.0f;                  // anamorphic: width of the bokeh is divided by it
 };
 
 enum class FilterKind : uint8_t { kBox, kGaussian, kBlackmanHarris };
@@ -172,9 +172,9 @@ struct FilmDesc {
   int32_t width = 640, height = 360;            // the full frame in pixels
   std::array<int32_t, 4> crop{0, 0, 640, 360};  // x0, y0, x1, y1: what is rendered; y up
   FilterKind filter = FilterKind::kBlackmanHarris;
-  float filter_width = 1.5f;                    // pixels, as Blender names it
+  float filter_width = 1.5f;  // pixels, as Blender names it
   float exposure = 1.0f;
-  bool transparent = false;                     // the world leaves alpha 0 to camera rays
+  bool transparent = false;  // the world leaves alpha 0 to camera rays
 };
 
 struct SceneDescription {

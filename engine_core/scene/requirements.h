@@ -16,14 +16,14 @@ struct Requirements {
   bool programs = false;             // some material runs a program
   bool transparent_shadows = false;  // some surface may let shadow rays through
   bool environment = false;
-  bool textured_emission = false;    // emission varies over a surface
+  bool textured_emission = false;  // emission varies over a surface
   bool depth_of_field = false;
-  bool singular_lobes = false;       // mirrors, clear glass
-  bool caustics = false;             // a singular or glossy chain may join a light and a surface
-  bool transmission = false;         // some lobe passes to the other side
+  bool singular_lobes = false;  // mirrors, clear glass
+  bool caustics = false;        // a singular or glossy chain may join a light and a surface
+  bool transmission = false;    // some lobe passes to the other side
   bool instancing = false;
   bool light_tree = false;
-  bool hidden_from_rays = false;     // some object or lamp is invisible to some kind of ray
+  bool hidden_from_rays = false;  // some object or lamp is invisible to some kind of ray
 };
 
 }  // namespace vernier

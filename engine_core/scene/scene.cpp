@@ -52,8 +52,8 @@ SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
     const auto& m = instance.to_render.m;
     for (int r = 0; r < 3; ++r) {
       const auto i = static_cast<size_t>(4 * r);
-      s.p_error[r] += std::abs(m[i]) * back.x + std::abs(m[i + 1]) * back.y +
-                      std::abs(m[i + 2]) * back.z;
+      s.p_error[r] +=
+          std::abs(m[i]) * back.x + std::abs(m[i + 1]) * back.y + std::abs(m[i + 2]) * back.z;
     }
     ng = instance.from_render.transposed_vector(ng);
   } else if (instance.mirrored) {
@@ -124,10 +124,14 @@ Vec4f Scene::attribute(const SurfacePoint& point, uint32_t id) const {
   const auto read = [&](uint32_t element) {
     const float* d = attribute.data.data() + static_cast<size_t>(element) * channels;
     switch (channels) {
-      case 1: return Vec4f{d[0], d[0], d[0], 1.0f};
-      case 2: return Vec4f{d[0], d[1], 0.0f, 1.0f};
-      case 3: return Vec4f{d[0], d[1], d[2], 1.0f};
-      default: return Vec4f{d[0], d[1], d[2], d[3]};
+      case 1:
+        return Vec4f{d[0], d[0], d[0], 1.0f};
+      case 2:
+        return Vec4f{d[0], d[1], 0.0f, 1.0f};
+      case 3:
+        return Vec4f{d[0], d[1], d[2], 1.0f};
+      default:
+        return Vec4f{d[0], d[1], d[2], d[3]};
     }
   };
   if (attribute.domain == Domain::kFace) {
@@ -149,8 +153,7 @@ Vec3f Scene::uv(const SurfacePoint& point) const {
 uint32_t Scene::material_of(uint32_t instance, uint32_t triangle) const {
   const Instance& i = instances[instance];
   const auto& slots = meshes[i.mesh].slots;
-  const uint32_t slot =
-      slots.empty() ? 0u : std::min<uint32_t>(slots[triangle], i.slot_count - 1u);
+  const uint32_t slot = slots.empty() ? 0u : std::min<uint32_t>(slots[triangle], i.slot_count - 1u);
   return slot_materials[i.material_offset + slot];
 }
 

@@ -32,17 +32,17 @@ struct MeshAttribute {
 // Triangles and what materials read on them. Arrays that nothing needs stay empty.
 struct Mesh {
   std::string name;
-  std::vector<Vec3f> positions;  // instanced: object space; else render space
+  std::vector<Vec3f> positions;                    // instanced: object space; else render space
   std::vector<std::array<uint32_t, 3>> triangles;  // vertices
   std::vector<std::array<uint32_t, 3>> corners;    // corners of the polygons
   std::vector<uint32_t> faces;                     // polygon of each triangle
   std::vector<uint16_t> slots;                     // material slot of each triangle; empty: 0
   Domain normal_domain = Domain::kFace;
-  std::vector<Vec3f> normals;                      // object space
-  std::vector<MeshAttribute> attributes;           // by attribute id (Scene::attribute_names)
-  Vec3f texture_space_min, texture_space_max;      // object space
-  Transform to_object;                             // positions to object space
-  bool instanced = false;                          // several instances share it
+  std::vector<Vec3f> normals;                  // object space
+  std::vector<MeshAttribute> attributes;       // by attribute id (Scene::attribute_names)
+  Vec3f texture_space_min, texture_space_max;  // object space
+  Transform to_object;                         // positions to object space
+  bool instanced = false;                      // several instances share it
 };
 
 struct Instance {
@@ -51,12 +51,12 @@ struct Instance {
   uint32_t visibility = kVisibleAll;
   uint32_t material_offset = 0;  // into Scene::slot_materials
   uint32_t slot_count = 1;
-  float random = 0;              // Object Info's random, [0, 1)
-  bool mirrored = false;         // the transform reverses orientation
-  Transform to_render;           // instanced: Mesh::positions to render space; else identity
-  Transform from_render;         // its inverse
-  Transform object_to_world;     // as described
-  Transform world_to_object;     // singular transforms: zeros
+  float random = 0;           // Object Info's random, [0, 1)
+  bool mirrored = false;      // the transform reverses orientation
+  Transform to_render;        // instanced: Mesh::positions to render space; else identity
+  Transform from_render;      // its inverse
+  Transform object_to_world;  // as described
+  Transform world_to_object;  // singular transforms: zeros
 };
 
 class Scene {
@@ -109,14 +109,14 @@ class Scene {
   std::vector<std::unique_ptr<ImageTexture>> images;
   std::vector<std::unique_ptr<Material>> materials;  // the last one is the grey default
   std::vector<float> material_pass_indices;
-  std::unique_ptr<Material> world;                   // null: black
+  std::unique_ptr<Material> world;  // null: black
   uint32_t world_visibility = kVisibleAll;
   std::unique_ptr<Camera> camera;
   std::unique_ptr<LightSampler> lights;
   FilmDesc film;
   Requirements requirements;
   std::vector<std::string> warnings;
-  Vec3f center;      // bounding sphere of all geometry and finite lamps, render space
+  Vec3f center;  // bounding sphere of all geometry and finite lamps, render space
   float radius = 0;
 
  private:

@@ -7,6 +7,7 @@ directions that no facet refracts into each other (docs/differences_from_cycles.
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,10 @@ pytest.importorskip("bpy")
 from agreement import assert_agreement
 from cycles_pairs import run
 from material_cases import BSDF_SAMPLED, CASES
+
+# Blender 4.5 has no thin films on metal; Vernier has those of 5.2 in both.
+OLD = version("bpy").startswith("4.")
+NEW_IN_5 = {"principled_film_metal"}
 
 SHEETS = {"surfaces": [n for n in CASES if n not in BSDF_SAMPLED], "glass": sorted(BSDF_SAMPLED)}
 
@@ -40,6 +45,8 @@ def sheet(tmp_path_factory: Any) -> Callable[[str], dict[str, Any]]:
     ("name", "material"), [(sheet, name) for sheet, names in SHEETS.items() for name in names]
 )
 def test_material(sheet: Any, name: str, material: str) -> None:
+    if OLD and material in NEW_IN_5:
+        pytest.skip("Blender 5 renders this material otherwise than 4.5")
     number = SHEETS[name].index(material)
     tiles = sheet(name)
     assert_agreement(tiles["CYCLES"][number], tiles["VERNIER"][number], block=4)

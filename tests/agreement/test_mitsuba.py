@@ -18,7 +18,7 @@ pytest.importorskip("mitsuba")
 import mitsuba_renders as setup
 from agreement import assert_agreement
 from cycles_pairs import run
-from engine_core.description import Graph, Image, Link, Node, World
+from engine_core.description import Graph, Image, Link, Node, ParamValue, World
 from scenes import SceneBuilder, look_at, pictures, rgba, shader, sphere
 
 CASES = [f"{material}-{light}" for material in setup.MATERIALS for light in setup.LIGHTS]
@@ -62,7 +62,11 @@ def _scene(material: str, light: str) -> SceneBuilder:
     # Mitsuba's azimuth begins a quarter turn before Blender's; Blender's rows go upward.
     turned = np.roll(setup.sky(), setup.SKY_COLUMNS // 4, axis=1)
     builder.description.images = [Image("sky", np.ascontiguousarray(turned[::-1]), "linear")]
-    texture = {"image": 0, "projection": "EQUIRECTANGULAR", "interpolation": "Linear"}
+    texture: dict[str, ParamValue] = {
+        "image": 0,
+        "projection": "EQUIRECTANGULAR",
+        "interpolation": "Linear",
+    }
     builder.description.world = World(
         Graph(
             [

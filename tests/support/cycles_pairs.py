@@ -35,7 +35,7 @@ def start() -> Any:
 
 def finish(path: str, arrays: dict[str, Array]) -> None:
     """Writes the arrays and ends the process: Blender 4.5 as a module hangs when it exits."""
-    np.savez(path, **arrays)
+    np.savez(path, allow_pickle=False, **arrays)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)

@@ -36,13 +36,12 @@ void render_camera_tile(const RenderContext& context, const Batch& batch, const 
         }
         const SobolSampler sampler(static_cast<uint32_t>(frame_x), static_cast<uint32_t>(frame_y),
                                    batch.first + s, batch.log2_capacity, batch.seed);
-        const Vec2f offset =
-            context.filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
+        const Vec2f offset = context.filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
         const Vec2f raster{static_cast<float>(frame_x) + 0.5f + offset.x,
                            static_cast<float>(frame_y) + 0.5f + offset.y};
         const CameraRay camera_ray = scene.camera->generate_ray(
-            raster, scene.camera->is_pinhole() ? Vec2f{}
-                                               : sampler.get_2d(dimension(CameraDim::kLens)));
+            raster,
+            scene.camera->is_pinhole() ? Vec2f{} : sampler.get_2d(dimension(CameraDim::kLens)));
         std::conditional_t<Passes, PassSample, NoPassSample> pass_sample;
         CameraSample sample = li(camera_ray, sampler, pass_sample);
         ++stats.camera_paths;

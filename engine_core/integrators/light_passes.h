@@ -66,8 +66,9 @@ class LightPasses {
     std::array<Color, 3> f;
     Color sum;
     for (size_t g = 0; g < 3; ++g) {
-      f[g] = bsdf.eval_forward(wi, Transport::kRadiance,
-                               static_cast<uint8_t>(mask & kGroupMasks[g])).f;
+      f[g] =
+          bsdf.eval_forward(wi, Transport::kRadiance, static_cast<uint8_t>(mask & kGroupMasks[g]))
+              .f;
       sum += f[g];
     }
     for (size_t g = 0; g < 3; ++g) {

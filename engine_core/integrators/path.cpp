@@ -165,10 +165,13 @@ class PathTracer {
       return 1.0f;  // a singular bounce, the camera, or a light that is not sampled
     }
     switch (strategy_) {
-      case DirectLight::kMis: return power_heuristic(pdf_, pdf_light);
-      case DirectLight::kLight: return 0.0f;
+      case DirectLight::kMis:
+        return power_heuristic(pdf_, pdf_light);
+      case DirectLight::kLight:
+        return 0.0f;
       case DirectLight::kBsdf:
-      case DirectLight::kUniform: return 1.0f;
+      case DirectLight::kUniform:
+        return 1.0f;
       case DirectLight::kMixture: {
         // One sample from two techniques: the balance heuristic. beta carries 1/(1 - q) for the
         // choice of this one.
@@ -267,10 +270,13 @@ class PathTracer {
       return 1.0f;
     }
     switch (strategy_) {
-      case DirectLight::kMis: return power_heuristic(light.pdf, pdf_bsdf);
-      case DirectLight::kLight: return 1.0f;
+      case DirectLight::kMis:
+        return power_heuristic(light.pdf, pdf_bsdf);
+      case DirectLight::kLight:
+        return 1.0f;
       case DirectLight::kBsdf:
-      case DirectLight::kUniform: return 0.0f;
+      case DirectLight::kUniform:
+        return 0.0f;
       case DirectLight::kMixture: {
         const float q = static_cast<float>(settings_.light_fraction);
         return toward_light ? light.pdf / (q * light.pdf + (1.0f - q) * pdf_bsdf) : 0.0f;
@@ -332,8 +338,7 @@ class PathTracer {
     BsdfSample sample;
     sample.wi = uniform.wi;
     sample.pdf = uniform.pdf;
-    sample.weight =
-        bsdf.eval_forward(uniform.wi, Transport::kRadiance).f * (scale / uniform.pdf);
+    sample.weight = bsdf.eval_forward(uniform.wi, Transport::kRadiance).f * (scale / uniform.pdf);
     const bool through = dot(uniform.wi, point.ng) < 0.0f;
     const bool diffuse = (bsdf.lobes() & kLobeDiffuse) != 0;
     sample.lobe = static_cast<uint8_t>((through ? kLobeTransmission : kLobeReflection) |
@@ -346,8 +351,7 @@ class PathTracer {
     // A single lobe needs no choice, and roulette begins later: then nothing is drawn.
     const bool choose = !bsdf.single_lobe() || depth_.total >= settings_.roulette_start ||
                         vertex >= kLongPath || strategy_ == DirectLight::kUniform;
-    const Vec2f u =
-        choose ? sampler_.get_2d(dimension(vertex, BounceDim::kLobe)) : Vec2f{};
+    const Vec2f u = choose ? sampler_.get_2d(dimension(vertex, BounceDim::kLobe)) : Vec2f{};
     const auto sample = next_direction(vertex, point, bsdf, u.x);
     if (!sample || is_black(sample->weight)) {
       return false;
@@ -436,14 +440,17 @@ void render_path_tile(const RenderContext& context, const Batch& batch, const Ti
 
 }  // namespace
 
-RenderTile path_kernel(const Settings& settings, const Requirements& requirements,
-                       PassSet passes) {
+RenderTile path_kernel(const Settings& settings, const Requirements& requirements, PassSet passes) {
   // Indexed by the bits passes, transparent, mis.
   static constexpr RenderTile kKernels[] = {
-      render_path_tile<Features{false, false, false}>, render_path_tile<Features{true, false, false}>,
-      render_path_tile<Features{false, true, false}>,  render_path_tile<Features{true, true, false}>,
-      render_path_tile<Features{false, false, true}>,  render_path_tile<Features{true, false, true}>,
-      render_path_tile<Features{false, true, true}>,   render_path_tile<Features{true, true, true}>,
+      render_path_tile<Features{false, false, false}>,
+      render_path_tile<Features{true, false, false}>,
+      render_path_tile<Features{false, true, false}>,
+      render_path_tile<Features{true, true, false}>,
+      render_path_tile<Features{false, false, true}>,
+      render_path_tile<Features{true, false, true}>,
+      render_path_tile<Features{false, true, true}>,
+      render_path_tile<Features{true, true, true}>,
   };
   const unsigned index =
       (passes.any_sampled() ? 1u : 0u) | (requirements.transparent_shadows ? 2u : 0u) |

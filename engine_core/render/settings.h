@@ -24,8 +24,8 @@ struct Settings {
   int threads = 0;
   int direct_light = static_cast<int>(DirectLight::kMis);
   double light_fraction = 0.1;
-  double roulette_threshold = 0.5;
-  int roulette_start = 3;
+  double roulette_threshold = 0.25;
+  int roulette_start = 0;
   int max_bounces = -1;
   int diffuse_bounces = -1;
   int glossy_bounces = -1;

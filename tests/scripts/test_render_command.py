@@ -58,7 +58,8 @@ def test_png_goes_through_the_view_transform(tool: Tool, tmp_path: Path) -> None
     inside = (shown > 0.3) & (shown < 0.9)
     assert inside.mean() > 0.1
     factor = decoded[inside] / linear[inside]
-    np.testing.assert_allclose(factor, np.median(factor), rtol=0.03)
+    # Bytes, dithered by up to a step: 2.4 / (0.3 * 255) is 3 % a step at the dark end.
+    np.testing.assert_allclose(factor, np.median(factor), rtol=0.06)
     # The same seed gives the same picture.
     np.testing.assert_array_equal(shown, images.read_combined(tmp_path / "b.png"))
 
@@ -144,7 +145,8 @@ def test_damaged_files_are_one_line(
 def test_a_scene_without_a_camera_is_one_line(tool: Tool, tmp_path: Path) -> None:
     script = (
         "import bpy, os; bpy.ops.wm.read_factory_settings(use_empty=True);"
-        "bpy.ops.wm.save_as_mainfile(filepath='empty.blend'); os._exit(0)"
+        "bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath('empty.blend'));"
+        "os._exit(0)"
     )
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True)
     done = tool("render", "empty.blend", "-o", "a.png")

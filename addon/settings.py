@@ -89,19 +89,25 @@ def unregister() -> None:
 
 
 def film_settings(scene: bpy.types.Scene) -> dict[str, Any]:
-    """The settings that describe the film: members of SyncOptions."""
+    """The settings that describe the film: members of SyncOptions.
+
+    None before the add-on is registered: scenes can be described, with the defaults, even then.
+    """
     settings = getattr(scene, "vernier", None)
-    names = {"filter": "pixel_filter", "filter_width": "filter_width", "exposure": "film_exposure"}
+    if settings is None:
+        return {}
     return {
-        option: getattr(settings, name) for option, name in names.items() if hasattr(settings, name)
+        "filter": settings.pixel_filter,
+        "filter_width": settings.filter_width,
+        "exposure": settings.film_exposure,
     }
 
 
 def render_settings(
     scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
 ) -> dict[str, bool | int | float | str]:
-    """All settings by name, with Blender's own thread count and the view layer's samples."""
-    values = {p.name: getattr(scene.vernier, p.name) for p in parameters()}
+    """What a session takes, with Blender's own thread count and the view layer's samples."""
+    values = {p.name: getattr(scene.vernier, p.name) for p in parameters() if not p.of_film}
     if "threads" in values and not values["threads"] and scene.render.threads_mode == "FIXED":
         values["threads"] = scene.render.threads
     if "samples" in values and view_layer.samples > 0:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import bpy
 import numpy as np
-from engine_core.description import Camera, Film, SceneDescription
+from engine_core.description import Camera, SceneDescription
 from mathutils import Matrix
 
 from .core import core
@@ -104,14 +104,8 @@ class Viewport:
             return
         film = self._description.film
         self._description.camera = view_camera(view)
-        self._description.film = Film(
-            view.width,
-            view.height,
-            (0, 0, view.width, view.height),
-            film.filter,
-            film.filter_width,
-            film.exposure,
-            film.transparent,
+        self._description.film = replace(
+            film, width=view.width, height=view.height, crop=(0, 0, view.width, view.height)
         )
         values = render_settings(depsgraph.scene_eval, depsgraph.view_layer_eval)
         scene = core().compile(self._description, int(values.get("threads", 0)))

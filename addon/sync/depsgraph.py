@@ -41,7 +41,7 @@ class SyncOptions:
     """What the description takes from the engine's settings and the caller."""
 
     filter: str = "BLACKMAN_HARRIS"
-    filter_width: float | None = None  # pixels; None: the scene's own
+    filter_width: float = 1.5  # pixels
     exposure: float = 1.0
     border: bool = True
     keep_uv: bool = False  # the UV pass reads every mesh's active UV map
@@ -110,8 +110,7 @@ class _Pass:
         result.film = read_film(self.scene, frame, options.border)
         result.film.filter = options.filter
         result.film.exposure = options.exposure
-        if options.filter_width is not None:
-            result.film.filter_width = options.filter_width
+        result.film.filter_width = options.filter_width
         collected = collect(self.depsgraph)
         if self.layer.use_solid:
             self._add_objects(collected, result)

@@ -9,7 +9,10 @@ from .camera import Frame
 
 
 def read_film(scene: bpy.types.Scene, frame: Frame, border: bool = True) -> Film:
-    """Reads what Blender itself knows; `border` False renders the whole frame whatever it is."""
+    """Reads what Blender itself knows; `border` False renders the whole frame whatever it is.
+
+    The filter and the exposure are the engine's own settings (`SyncOptions`).
+    """
     render = scene.render
     crop = (0, 0, frame.width, frame.height)
     if border and render.use_border:
@@ -18,7 +21,6 @@ def read_film(scene: bpy.types.Scene, frame: Frame, border: bool = True) -> Film
         width=frame.width,
         height=frame.height,
         crop=crop,
-        filter_width=float(render.filter_size),
         transparent=bool(render.film_transparent),
     )
 

@@ -16,7 +16,6 @@ nb::str str(std::string_view text) { return nb::str(text.data(), text.size()); }
 
 // Rows as dictionaries: engine_core/tables.py makes dataclasses of them.
 nb::list parameter_rows() {
-  const Settings defaults;
   nb::list rows;
   for (const Parameter& p : parameters()) {
     nb::dict row;
@@ -30,17 +29,21 @@ nb::list parameter_rows() {
       items.append(nb::make_tuple(str(item.identifier), str(item.label), str(item.description)));
     }
     row["items"] = nb::tuple(items);
-    if (!p.items.empty()) {
-      row["type"] = "enum";
-      const int value = defaults.*p.integer;
-      row["default"] = str(p.items[static_cast<size_t>(value)].identifier);
-    } else if (p.integer != nullptr) {
-      row["type"] = "int";
-      row["default"] = defaults.*p.integer;
-    } else {
-      row["type"] = "float";
-      row["default"] = defaults.*p.real;
+    switch (p.type) {
+      case ParameterType::kEnum:
+        row["type"] = "enum";
+        row["default"] = str(p.items[static_cast<size_t>(p.initial)].identifier);
+        break;
+      case ParameterType::kInteger:
+        row["type"] = "int";
+        row["default"] = static_cast<int>(p.initial);
+        break;
+      case ParameterType::kReal:
+        row["type"] = "float";
+        row["default"] = p.initial;
+        break;
     }
+    row["of_film"] = p.of_film();
     row["minimum"] = p.minimum;
     row["maximum"] = p.maximum;
     row["soft_minimum"] = p.soft_minimum;

@@ -31,11 +31,11 @@ struct RenderContext {
   const Scene& scene;
   const Settings& settings;
   const PixelFilter2d& filter;
-  const std::atomic<bool>& cancelled;
+  const std::atomic<bool>& cancelled;  // by the user, or because the time is up
 };
 
 // Renders `batch` for the pixels of `tile` (film coordinates) into `buffer`. Returns early, with
-// what it has, once the render is cancelled.
+// what it has, once the render is cancelled or its time is up.
 using RenderTile = void (*)(const RenderContext& context, const Batch& batch, const Tile& tile,
                             TileBuffer& buffer, PassSet passes, RenderStats& stats);
 

@@ -45,7 +45,7 @@ double relative_error(double value, double half_width, double mean) {
 
 double picture_error(std::vector<float>& errors) {
   if (errors.empty()) {
-    return 0.0;
+    return std::numeric_limits<double>::infinity();
   }
   // The least error that 95 % of the pixels do not exceed.
   const double count = std::ceil(kErrorPercentile * static_cast<double>(errors.size()));

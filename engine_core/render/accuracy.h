@@ -32,7 +32,8 @@ double standard_error(double n, double sum, double squares, unsigned batches);
 // A pixel's relative error, by the definition above. `value` and `mean` are luminances.
 double relative_error(double value, double half_width, double mean);
 
-// The picture's error: the 95th percentile of its pixels'. Reorders `errors`. 0 for none.
+// The picture's error: the 95th percentile of its pixels'. Reorders `errors`. Infinite for none:
+// nothing is known of that picture.
 double picture_error(std::vector<float>& errors);
 
 }  // namespace vernier

@@ -42,49 +42,51 @@ std::vector<Tile> make_tiles(int width, int height, int size) {
   return tiles;
 }
 
-void write(const Vec3f& v, float* out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
-
-void write_pass(Pass pass, const PassSample& s, float* out) {
+// What a sample says of a sampled pass; scalars are in x.
+Vec3f value_of(Pass pass, const PassSample& s) {
   switch (pass) {
     case Pass::kDepth:
     case Pass::kDenoisingDepth:
-      out[0] = s.depth;
-      return;
+      return splat(s.depth);
     case Pass::kPosition:
-      return write(s.position, out);
+      return s.position;
     case Pass::kNormal:
-      return write(s.normal, out);
+      return s.normal;
     case Pass::kUv:
-      return write(s.uv, out);
+      return s.uv;
     case Pass::kDiffuseDirect:
-      return write(s.direct[0], out);
+      return s.direct[0];
     case Pass::kDiffuseIndirect:
-      return write(s.indirect[0], out);
+      return s.indirect[0];
     case Pass::kDiffuseColor:
-      return write(s.diffuse_color, out);
+      return s.diffuse_color;
     case Pass::kGlossyDirect:
-      return write(s.direct[1], out);
+      return s.direct[1];
     case Pass::kGlossyIndirect:
-      return write(s.indirect[1], out);
+      return s.indirect[1];
     case Pass::kGlossyColor:
-      return write(s.glossy_color, out);
+      return s.glossy_color;
     case Pass::kTransmissionDirect:
-      return write(s.direct[2], out);
+      return s.direct[2];
     case Pass::kTransmissionIndirect:
-      return write(s.indirect[2], out);
+      return s.indirect[2];
     case Pass::kTransmissionColor:
-      return write(s.transmission_color, out);
+      return s.transmission_color;
     case Pass::kEmission:
-      return write(s.emission, out);
+      return s.emission;
     case Pass::kEnvironment:
-      return write(s.environment, out);
+      return s.environment;
     case Pass::kDenoisingNormal:
-      return write(s.denoising_normal, out);
+      return s.denoising_normal;
     case Pass::kDenoisingAlbedo:
-      return write(s.denoising_albedo, out);
-    default:
-      return;
+      return s.denoising_albedo;
+    case Pass::kCombined:
+    case Pass::kSampleCount:
+    case Pass::kError:
+    case Pass::kCount:
+      break;  // not sampled
   }
+  return {};
 }
 
 }  // namespace
@@ -113,11 +115,10 @@ void TileBuffer::add_passes(int x, int y, const PassSample& sample, bool first) 
     if (!passes_.has(pass) || !is_sampled(pass)) {
       continue;
     }
-    float value[4];
-    write_pass(pass, sample, value);
-    const size_t channels = info(pass).channels.size();
+    const Vec3f value = value_of(pass, sample);
+    const auto channels = static_cast<int>(info(pass).channels.size());
     if (info(pass).kind != PassKind::kFirstSample || first) {
-      for (size_t c = 0; c < channels; ++c) {
+      for (int c = 0; c < channels; ++c) {
         out[c] += value[c];
       }
     }
@@ -203,9 +204,7 @@ void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
     return;
   }
   if (pass == Pass::kError) {
-    out[0] = p.batches < 2
-                 ? 0.0f
-                 : static_cast<float>(relative_error(luminance_sum(p) * inv, half_width(p), mean));
+    out[0] = static_cast<float>(relative_error(luminance_sum(p) * inv, half_width(p), mean));
     return;
   }
   const float* values = values_.data() + pixel * static_cast<size_t>(sampled_channels(passes_));
@@ -290,7 +289,7 @@ double Film::error() const {
       }
     }
   }
-  return errors.empty() ? static_cast<double>(kInfinity) : picture_error(errors);
+  return picture_error(errors);
 }
 
 }  // namespace vernier

@@ -83,7 +83,8 @@ class Film {
   void merge(size_t tile, uint64_t batch, TileBuffer&& buffer);
 
   // The current estimate of a pass over a rectangle, rows upward, channels interleaved, into `out`
-  // of width * height * channels floats. Pixels without samples are zero.
+  // of width * height * channels floats. Pixels without samples are zero; their error, and that
+  // of pixels with one batch, is not known and so infinite.
   void read(Pass pass, const Tile& area, std::span<float> out) const;
   // The picture's error by accuracy.h; infinite while no pixel has two batches.
   double error() const;

@@ -53,6 +53,9 @@ Session::~Session() {
   for (std::thread& thread : threads_) {
     thread.join();
   }
+  if (watch_.joinable()) {
+    watch_.join();
+  }
 }
 
 void Session::start() {
@@ -62,6 +65,14 @@ void Session::start() {
   start_ = Clock::now();
   started_ = true;
   running_ = thread_count_;
+  if (settings_.time_limit > 0.0) {
+    try {
+      watch_ = std::thread([this] { watch_the_time(); });
+    } catch (const std::system_error&) {
+      thread_ended(thread_count_);
+      throw;
+    }
+  }
   for (int i = 0; i < thread_count_; ++i) {
     try {
       threads_.emplace_back([this, i] { work(i); });
@@ -76,7 +87,16 @@ void Session::start() {
   }
 }
 
-void Session::cancel() { cancelled_ = true; }
+void Session::cancel() {
+  cancelled_ = true;
+  stopped_ = true;
+}
+
+void Session::watch_the_time() {
+  if (!wait(settings_.time_limit)) {
+    stopped_ = true;
+  }
+}
 
 double Session::elapsed() const {
   if (!started_) {
@@ -90,11 +110,7 @@ double Session::elapsed() const {
 }
 
 bool Session::next_job(uint64_t& batch, size_t& tile) {
-  if (cancelled_) {
-    return false;
-  }
-  if (settings_.time_limit > 0.0 && elapsed() >= settings_.time_limit) {
-    timed_out_ = true;
+  if (stopped_) {
     return false;
   }
   const uint64_t job = next_++;
@@ -105,7 +121,7 @@ bool Session::next_job(uint64_t& batch, size_t& tile) {
 
 void Session::work(int thread) {
   const FlushDenormals flush;
-  const RenderContext context{*scene_, settings_, filter_, cancelled_};
+  const RenderContext context{*scene_, settings_, filter_, stopped_};
   RenderStats& stats = stats_[static_cast<size_t>(thread)];
   try {
     uint64_t number = 0;
@@ -115,7 +131,7 @@ void Session::work(int thread) {
       const Batch& batch = plan_[number];
       TileBuffer buffer(film_.passes(), tile);
       kernel_(context, batch, tile, buffer, film_.passes(), stats);
-      if (cancelled_) {
+      if (stopped_) {
         break;  // pixels of an unfinished tile would have a batch of another size
       }
       film_.merge(tile_number, number, std::move(buffer));
@@ -126,7 +142,7 @@ void Session::work(int thread) {
       changed_[tile_number] = true;
     }
   } catch (const std::exception& e) {
-    cancelled_ = true;
+    stopped_ = true;
     const std::lock_guard lock(mutex_);
     error_message_ = e.what();
   }

@@ -45,6 +45,7 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   // Once. Throws std::logic_error the second time, std::system_error when no thread can be made.
+  // At the time limit the threads are stopped as by cancel().
   void start();
   // Asks the threads to stop; each does so within a pixel's samples.
   void cancel();
@@ -65,6 +66,7 @@ class Session {
   using Clock = std::chrono::steady_clock;
 
   void work(int thread);
+  void watch_the_time();
   void thread_ended(int count);
   double elapsed() const;
   bool next_job(uint64_t& batch, size_t& tile);
@@ -78,13 +80,14 @@ class Session {
   std::vector<Batch> plan_;
   int thread_count_;
   std::vector<std::thread> threads_;
+  std::thread watch_;  // only with a time limit
   std::vector<RenderStats> stats_;
   std::vector<std::atomic<uint64_t>> rays_;
   std::atomic<uint64_t> next_{0};  // job number: batch * tiles + tile
   std::atomic<uint64_t> pixel_samples_{0};
   std::atomic<uint64_t> non_finite_{0};
   std::atomic<bool> cancelled_{false};
-  std::atomic<bool> timed_out_{false};
+  std::atomic<bool> stopped_{false};  // cancelled, out of time, or failed
   std::atomic<int> running_{0};
   Clock::time_point start_;
   std::atomic<bool> started_{false};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "scene/description.h"
+
 namespace vernier {
 namespace {
 
@@ -23,6 +25,7 @@ constexpr std::array kDirectLight{
     EnumItem{"MIXTURE", "Mixture",
              "One sample: toward a light with a fixed probability, else by the material"},
 };
+// In the order of FilterKind.
 constexpr std::array kFilters{
     EnumItem{"BOX", "Box", "Average over the filter's width"},
     EnumItem{"GAUSSIAN", "Gaussian", "Gaussian bell"},
@@ -33,32 +36,61 @@ constexpr double kMany = 2147483647.0;
 
 Parameter integer(std::string_view group, std::string_view name, int Settings::* member,
                   double minimum, double maximum, double soft_minimum, double soft_maximum,
-                  std::string_view label, std::string_view description,
-                  std::string_view unit = "") {
-  return {name,    group,   label,   description,  unit,         member,
-          nullptr, minimum, maximum, soft_minimum, soft_maximum, {}};
+                  std::string_view label, std::string_view description) {
+  const auto initial = static_cast<double>(Settings{}.*member);
+  return {name,        group,  label,   description, "",      ParameterType::kInteger,
+          initial,     member, nullptr, minimum,     maximum, soft_minimum,
+          soft_maximum};
 }
 Parameter real(std::string_view group, std::string_view name, double Settings::* member,
                double minimum, double maximum, double soft_minimum, double soft_maximum,
                std::string_view label, std::string_view description, std::string_view unit = "") {
-  return {name,   group,   label,   description,  unit,         nullptr,
-          member, minimum, maximum, soft_minimum, soft_maximum, {}};
+  return {
+      name,    group,  label,   description, unit,         ParameterType::kReal, Settings{}.*member,
+      nullptr, member, minimum, maximum,     soft_minimum, soft_maximum};
 }
 Parameter choice(std::string_view group, std::string_view name, int Settings::* member,
                  std::span<const EnumItem> items, std::string_view label,
                  std::string_view description) {
+  const auto last = static_cast<double>(items.size() - 1);
+  const auto initial = static_cast<double>(Settings{}.*member);
+  return {name, group, label, description, "",   ParameterType::kEnum, initial, member, nullptr,
+          0,    last,  0,     last,        items};
+}
+Parameter film_choice(std::string_view name, int initial, std::span<const EnumItem> items,
+                      std::string_view label, std::string_view description) {
+  const auto last = static_cast<double>(items.size() - 1);
   return {name,
-          group,
+          "film",
           label,
           description,
           "",
-          member,
+          ParameterType::kEnum,
+          static_cast<double>(initial),
+          nullptr,
           nullptr,
           0,
-          static_cast<double>(items.size() - 1),
+          last,
           0,
-          static_cast<double>(items.size() - 1),
+          last,
           items};
+}
+Parameter film_real(std::string_view name, float initial, double minimum, double maximum,
+                    double soft_minimum, double soft_maximum, std::string_view label,
+                    std::string_view description, std::string_view unit = "") {
+  return {name,
+          "film",
+          label,
+          description,
+          unit,
+          ParameterType::kReal,
+          static_cast<double>(initial),
+          nullptr,
+          nullptr,
+          minimum,
+          maximum,
+          soft_minimum,
+          soft_maximum};
 }
 
 const std::array kParameters{
@@ -98,12 +130,12 @@ const std::array kParameters{
          "Clamp Indirect", "Biased: limits what one sample adds to indirect light; 0: off"),
     integer("light_paths", "whitted_depth", &Settings::whitted_depth, 1, 64, 1, 32,
             "Recursion Depth", "Deepest recursion of Whitted ray tracing"),
-    choice("film", "pixel_filter", &Settings::pixel_filter, kFilters, "Pixel Filter",
-           "Shape of the reconstruction filter"),
-    real("film", "filter_width", &Settings::filter_width, 0.01, 10, 0.5, 4, "Filter Width",
-         "Width of the pixel filter", "px"),
-    real("film", "film_exposure", &Settings::film_exposure, 0, 1e6, 0, 10, "Exposure",
-         "Multiplies the picture's brightness"),
+    film_choice("pixel_filter", static_cast<int>(FilmDesc{}.filter), kFilters, "Pixel Filter",
+                "Shape of the reconstruction filter"),
+    film_real("filter_width", FilmDesc{}.filter_width, 0.01, 10, 0.5, 4, "Filter Width",
+              "Width of the pixel filter", "px"),
+    film_real("film_exposure", FilmDesc{}.exposure, 0, 1e6, 0, 10, "Exposure",
+              "Multiplies the picture's brightness"),
 };
 
 std::string format(double v) {
@@ -129,13 +161,13 @@ double enum_value(const Parameter& p, const std::string& identifier) {
 
 double number_value(const Parameter& p, const SettingValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) {
-    if (!p.items.empty()) {
+    if (p.type == ParameterType::kEnum) {
       return enum_value(p, *text);
     }
     throw std::invalid_argument("setting " + std::string(p.name) + ": '" + *text +
                                 "' is not a number");
   }
-  if (!p.items.empty()) {
+  if (p.type == ParameterType::kEnum) {
     throw std::invalid_argument("setting " + std::string(p.name) +
                                 " takes one of its identifiers, not a number");
   }
@@ -143,7 +175,7 @@ double number_value(const Parameter& p, const SettingValue& value) {
     return static_cast<double>(*whole);
   }
   const double v = std::get<double>(value);
-  if (p.integer != nullptr && v != std::floor(v)) {
+  if (p.type == ParameterType::kInteger && v != std::floor(v)) {
     throw std::invalid_argument("setting " + std::string(p.name) + ": " + format(v) +
                                 " is not a whole number");
   }
@@ -163,6 +195,10 @@ Settings make_settings(const std::map<std::string, SettingValue>& values) {
     }
     if (row == nullptr) {
       throw std::invalid_argument("there is no setting named " + name);
+    }
+    if (row->of_film()) {
+      throw std::invalid_argument("setting " + name +
+                                  " describes the film: the scene description has it");
     }
     const double v = number_value(*row, value);
     if (!(v >= row->minimum && v <= row->maximum)) {

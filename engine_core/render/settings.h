@@ -1,6 +1,8 @@
 // Every setting of a render, and the table that declares each once.
 //
 // The table's rows feed the add-on's properties, the command line, the checks here and the tests.
+// A few of them are no settings of the session but describe the film: users find them beside the
+// others, the add-on writes them into the scene description, and nothing else tells the core.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +16,6 @@ namespace vernier {
 
 enum class IntegratorKind : int { kPath, kWhitted };
 enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
-enum class PixelFilter : int { kBox, kGaussian, kBlackmanHarris };
 
 struct Settings {
   int integrator = static_cast<int>(IntegratorKind::kPath);
@@ -34,9 +35,6 @@ struct Settings {
   double clamp_direct = 0.0;
   double clamp_indirect = 0.0;
   int whitted_depth = 16;
-  int pixel_filter = static_cast<int>(PixelFilter::kBlackmanHarris);
-  double filter_width = 1.5;
-  double film_exposure = 1.0;
 };
 
 struct EnumItem {
@@ -45,20 +43,27 @@ struct EnumItem {
 
 using SettingValue = std::variant<int64_t, double, std::string>;
 
-// One row of the table. Exactly one of the two members is set; an enum is an int with `items`.
+enum class ParameterType : uint8_t { kInteger, kReal, kEnum };
+
+// One row of the table. It has one of the two members, or none where it describes the film.
 struct Parameter {
   std::string_view name, group, label, description, unit;
+  ParameterType type = ParameterType::kReal;
+  double initial = 0;  // the default; of an enum: the number of its item
   int Settings::* integer = nullptr;
   double Settings::* real = nullptr;
   double minimum = 0, maximum = 0;            // of what is accepted
   double soft_minimum = 0, soft_maximum = 0;  // of a slider
   std::span<const EnumItem> items = {};
+
+  bool of_film() const { return integer == nullptr && real == nullptr; }
 };
 
 std::span<const Parameter> parameters();
 
 // Sets members by name: enums by identifier. Throws std::invalid_argument, in one sentence that
-// names the setting, for an unknown name, a value of the wrong type or one out of range.
+// names the setting, for an unknown name, one that describes the film, a value of the wrong type
+// or one out of range.
 Settings make_settings(const std::map<std::string, SettingValue>& values);
 
 }  // namespace vernier

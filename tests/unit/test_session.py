@@ -202,7 +202,7 @@ def test_parts_are_read_as_the_whole() -> None:
         whole = session.read(info.name, 0, 0, scene.width, scene.height)
         assert whole.shape == (scene.height, scene.width, len(info.channels))
         assert whole.dtype == np.float32
-        assert np.isfinite(whole).all()
+        assert np.isfinite(whole).all()  # the error too: there are eight batches
         part = session.read(info.name, 29, 3, 10, 37)
         assert np.array_equal(part, whole[3:40, 29:39])
         assert np.array_equal(session.read(info.legacy_name, 29, 3, 10, 37), part)
@@ -329,6 +329,26 @@ def test_the_time_limit_ends_a_render() -> None:
     assert progress.samples > 0
 
 
+def test_the_time_limit_ends_a_tile_that_would_never_end() -> None:
+    settings = {"integrator": "WHITTED", "whitted_depth": 64, "threads": 2, "time_limit": 0.05}
+    session = engine_core.Session(doubling_recursion(), settings, ["Combined"])
+    session.start()
+    assert session.wait(SOON)
+    progress = session.poll(True)
+    assert progress.done
+    assert not progress.cancelled
+    assert progress.samples == 0
+    assert math.isinf(progress.error)
+
+
+def test_a_pixel_s_error_is_unknown_below_two_batches() -> None:
+    scene = room((8, 8))
+    assert np.isinf(pictures(scene, ["Error"], samples=1)["Error"]).all()
+    assert np.isfinite(pictures(scene, ["Error"], samples=2)["Error"]).all()
+    session = engine_core.Session(scene, {}, ["Error"])
+    assert np.isinf(session.read("Error", 0, 0, 8, 8)).all()
+
+
 def test_samples_end_a_render_before_its_time_limit() -> None:
     session = engine_core.Session(
         room((8, 8)), {"samples": 3, "time_limit": 1e9, "threads": 2}, ["Combined"]
@@ -362,7 +382,9 @@ def test_a_session_may_be_read_by_several_threads_while_it_renders() -> None:
             while not session.poll(True).done:
                 for name in PASSES:
                     picture = session.read(name, 3, 2, 40, 35)
-                    assert np.isfinite(picture).all(), name
+                    # The error is infinite where it is not known yet.
+                    assert not np.isnan(picture).any(), name
+                    assert name == "Error" or np.isfinite(picture).all(), name
                 session.take_tiles()
         except BaseException as error:
             failures.append(error)
@@ -418,15 +440,19 @@ def test_paths_in_a_room_that_absorbs_nothing_end(kind: str, threshold: float) -
     assert 1024 <= progress.rays / 32 < 2000
 
 
-def test_a_recursion_that_doubles_at_every_level_is_cancelled() -> None:
+def doubling_recursion() -> Any:
+    """A scene of which Whitted's method would cast 2^64 rays per sample."""
     builder = SceneBuilder((4, 4))
     glass = shader("ShaderNodeBsdfGlass", Color=(1.0,) * 4, Roughness=0.0, IOR=1.5)
     for height in range(12):
         builder.add(quad((-9, -9, -height), (18, 0, 0), (0, 18, 0)), glass)
     builder.description.world = background(1.0)
-    scene = engine_core.compile(builder.description, threads=1)
+    return engine_core.compile(builder.description, threads=1)
+
+
+def test_a_recursion_that_doubles_at_every_level_is_cancelled() -> None:
     settings = {"integrator": "WHITTED", "whitted_depth": 64, "threads": 2}
-    session = engine_core.Session(scene, settings, ["Combined"])
+    session = engine_core.Session(doubling_recursion(), settings, ["Combined"])
     session.start()
     assert not session.wait(0.05)
     session.cancel()

@@ -5,14 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from engine_core.description import Film
 from scenes import SceneBuilder
 
 import engine_core
 from engine_core import Parameter
 
-ROWS = engine_core.parameters()
+ALL_ROWS = engine_core.parameters()
+ROWS = [row for row in ALL_ROWS if not row.of_film]
+FILM_ROWS = [row for row in ALL_ROWS if row.of_film]
 NUMBERS = [row for row in ROWS if row.type != "enum"]
 ENUMS = [row for row in ROWS if row.type == "enum"]
+ALL_NUMBERS = [row for row in ALL_ROWS if row.type != "enum"]
+ALL_ENUMS = [row for row in ALL_ROWS if row.type == "enum"]
 
 
 @pytest.fixture(scope="module")
@@ -39,11 +44,11 @@ def refuse(scene: Any, **settings: Any) -> str:
 
 
 def test_names_are_unique_identifiers() -> None:
-    assert len(set(names(ROWS))) == len(ROWS) > 0
-    assert all(row.name.isidentifier() and row.name.islower() for row in ROWS)
+    assert len(set(names(ALL_ROWS))) == len(ALL_ROWS) > 0
+    assert all(row.name.isidentifier() and row.name.islower() for row in ALL_ROWS)
 
 
-@pytest.mark.parametrize("row", ROWS, ids=names(ROWS))
+@pytest.mark.parametrize("row", ALL_ROWS, ids=names(ALL_ROWS))
 def test_every_row_is_told_to_the_user(row: Parameter) -> None:
     assert row.label
     assert row.group
@@ -51,7 +56,7 @@ def test_every_row_is_told_to_the_user(row: Parameter) -> None:
     assert not row.description.endswith(".")  # Blender adds the full stop
 
 
-@pytest.mark.parametrize("row", NUMBERS, ids=names(NUMBERS))
+@pytest.mark.parametrize("row", ALL_NUMBERS, ids=names(ALL_NUMBERS))
 def test_a_number_s_default_and_slider_lie_within_its_range(row: Parameter) -> None:
     assert isinstance(row.default, int if row.type == "int" else float)
     assert row.min <= row.soft_min < row.soft_max <= row.max
@@ -59,7 +64,7 @@ def test_a_number_s_default_and_slider_lie_within_its_range(row: Parameter) -> N
     assert row.items == ()
 
 
-@pytest.mark.parametrize("row", ENUMS, ids=names(ENUMS))
+@pytest.mark.parametrize("row", ALL_ENUMS, ids=names(ALL_ENUMS))
 def test_a_choice_s_items_are_named_and_told(row: Parameter) -> None:
     identifiers = [item[0] for item in row.items]
     assert row.default in identifiers
@@ -105,6 +110,18 @@ def test_choices_are_made_by_identifier(scene: Any, row: Parameter) -> None:
         text = refuse(scene, **{row.name: bad})
         assert text == f"setting {row.name}: '{bad}' is not one of {known}"
     assert "not a number" in refuse(scene, **{row.name: 0})
+
+
+def test_the_film_has_one_master(scene: Any) -> None:
+    """What the description's film decides is no setting of a session; the defaults are its own."""
+    film = Film()
+    assert {row.name: row.default for row in FILM_ROWS} == {
+        "pixel_filter": film.filter,
+        "filter_width": film.filter_width,
+        "film_exposure": film.exposure,
+    }
+    for row in FILM_ROWS:
+        assert "the scene description has it" in refuse(scene, **{row.name: row.default})
 
 
 def test_unknown_settings_are_named(scene: Any) -> None:

@@ -8,7 +8,10 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Parameter:
-    """A setting. Its identifier in Blender is `name`, on the command line `--set name=value`."""
+    """A setting. Its identifier in Blender is `name`, on the command line `--set name=value`.
+
+    Those `of_film` are members of the description's `Film`; a session does not take them.
+    """
 
     name: str
     group: str
@@ -22,6 +25,7 @@ class Parameter:
     label: str
     description: str
     unit: str
+    of_film: bool
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,7 @@ def parameters_from(rows: list[dict[str, Any]]) -> list[Parameter]:
             label=row["label"],
             description=row["description"],
             unit=row["unit"],
+            of_film=row["of_film"],
         )
         for row in rows
     ]

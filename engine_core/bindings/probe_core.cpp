@@ -142,7 +142,7 @@ void bind_core_probes(nb::module_& m) {
   m.def("sobol_points", &sobol_points);
   m.def("filter_offsets", &filter_offsets);
   m.def("triangulate", &triangulate_polygon);
-  m.def("batch_samples", &batch_samples);
+  m.def("batch_samples", &batch_samples, nb::arg("total_before"), nb::arg("share") = 4);
   m.def("interval_factor", &interval_factor);
   m.def("standard_error", &standard_error);
   m.def("relative_error", &relative_error);

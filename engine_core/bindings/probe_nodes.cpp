@@ -126,6 +126,7 @@ nb::dict traits_of(const ProbeMaterial& m) {
   d["emission_constant"] = t.emission_constant;
   d["maybe_transparent"] = t.maybe_transparent;
   d["view_dependent"] = t.view_dependent;
+  d["path_dependent"] = t.path_dependent;
   d["emission_view_dependent"] = t.emission_view_dependent;
   d["uses_bump"] = t.uses_bump;
   d["lobes"] = static_cast<int>(t.lobes);

@@ -37,6 +37,8 @@ nb::dict requirements(const SceneHandle& handle) {
   d["instancing"] = r.instancing;
   d["light_tree"] = r.light_tree;
   d["hidden_from_rays"] = r.hidden_from_rays;
+  d["uneven_visibility"] = r.uneven_visibility;
+  d["path_dependent"] = r.path_dependent;
   return d;
 }
 

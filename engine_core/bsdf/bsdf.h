@@ -132,6 +132,10 @@ class Bsdf {
   static constexpr int kMaxSingularEvents = 2 * kMaxLobes + 1;
   int singular_events(std::array<BsdfSample, kMaxSingularEvents>& events) const;
 
+  // The delta distribution with the bits `lobe` whose direction is nearest to wi: with kRadiance,
+  // `pdf` the probability of its choice and `weight` the full ratio. Empty: there is none.
+  std::optional<BsdfSample> singular_toward(Vec3f wi, uint8_t lobe) const;
+
   // Union of the bits of what may be sampled.
   uint8_t lobes() const { return bits_; }
   // True where sample() has no use for u_lobe.

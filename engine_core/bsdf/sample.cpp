@@ -279,6 +279,31 @@ int Bsdf::singular_events(std::array<BsdfSample, kMaxSingularEvents>& events) co
   return count;
 }
 
+std::optional<BsdfSample> Bsdf::singular_toward(Vec3f wi, uint8_t lobe) const {
+  std::optional<BsdfSample> nearest;
+  const auto consider = [&](const std::optional<BsdfSample>& event) {
+    if (event && event->lobe == lobe && (!nearest || dot(event->wi, wi) > dot(nearest->wi, wi))) {
+      nearest = event;
+    }
+  };
+  for (int i = 0; i < count_; ++i) {
+    if (lobes_[i].singular) {
+      // The ends of [0,1) choose reflection and refraction, where both exist.
+      for (const float u : {0.0f, kOneMinusEpsilon}) {
+        consider(
+            sample_singular<false>(i, u, near_[i].select, Transport::kRadiance, kLobeAny));
+      }
+    }
+  }
+  if (transparent_select_ > 0.0f) {
+    consider(sample_transparent<false>(transparent_select_, kLobeAny));
+  }
+  if (nearest) {
+    nearest->weight *= nearest->pdf;
+  }
+  return nearest;
+}
+
 std::optional<BsdfSample> Bsdf::sample(float u_lobe, Vec2f u, Transport transport,
                                        uint8_t mask) const {
   return sample_any<true>(u_lobe, u, transport, mask);

@@ -118,7 +118,13 @@ float Camera::pdf_direction(float cos_theta) const {
   return 1.0f / (window_area_ * cos_theta * square(cos_theta));
 }
 
-std::optional<CameraConnection> Camera::connect(Vec3f p, Vec2f u_lens) const {
+float Camera::pdf_across(float cos_theta, float distance) const {
+  // The rays of one lens point are parallel in an orthographic camera, and cross its window aslant.
+  return is_orthographic() ? 1.0f / (window_area_ * cos_theta)
+                           : pdf_direction(cos_theta) / square(distance);
+}
+
+std::optional<CameraConnection> Camera::connect(Vec3f p, Vec2f u_lens, float margin) const {
   const Vec3f local = frame_.to_local(p - position_);
   const float depth = -local.z;
   if (!(depth > desc_.clip_start) || !(depth < desc_.clip_end)) {
@@ -149,7 +155,8 @@ std::optional<CameraConnection> Camera::connect(Vec3f p, Vec2f u_lens) const {
     }
   }
   c.raster = window_to_raster(window);
-  if (!(c.raster.x >= 0.0f && c.raster.x < width_ && c.raster.y >= 0.0f && c.raster.y < height_)) {
+  if (!(c.raster.x >= -margin && c.raster.x < width_ + margin && c.raster.y >= -margin &&
+        c.raster.y < height_ + margin)) {
     return std::nullopt;
   }
   c.p_lens = position_ + frame_.to_world(lens);

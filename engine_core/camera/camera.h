@@ -43,9 +43,12 @@ class Camera {
   // Densities with which generate_ray() makes the ray when raster is uniform over the full frame.
   float pdf_area() const { return 1.0f / lens_area_; }  // of the lens point; pinhole: delta, 1
   float pdf_direction(float cos_theta) const;           // solid angle
+  // Density of the ray's point at `distance`, over area across the ray, given its lens point.
+  float pdf_across(float cos_theta, float distance) const;
 
-  // Samples a lens point as seen from `p`; empty where p is behind the camera or out of frame.
-  std::optional<CameraConnection> connect(Vec3f p, Vec2f u_lens) const;
+  // Samples a lens point as seen from `p`; empty where p is behind the camera, or more than
+  // `margin` pixels out of the full frame.
+  std::optional<CameraConnection> connect(Vec3f p, Vec2f u_lens, float margin = 0.0f) const;
 
   bool is_pinhole() const { return desc_.aperture_radius == 0.0f; }
   bool is_orthographic() const { return desc_.kind == CameraKind::kOrthographic; }

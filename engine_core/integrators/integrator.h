@@ -39,8 +39,12 @@ struct RenderContext {
 using RenderTile = void (*)(const RenderContext& context, const Batch& batch, const Tile& tile,
                             TileBuffer& buffer, PassSet passes, RenderStats& stats);
 
+struct Kernel {
+  RenderTile render_tile = nullptr;
+  bool splats = false;  // samples add to pixels other than their own
+};
+
 // The kernel of the chosen integrator for what this scene and these passes need, and nothing else.
-RenderTile choose_kernel(const Settings& settings, const Requirements& requirements,
-                         PassSet passes);
+Kernel choose_kernel(const Settings& settings, const Requirements& requirements, PassSet passes);
 
 }  // namespace vernier

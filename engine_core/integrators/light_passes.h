@@ -25,6 +25,26 @@ inline constexpr std::array<uint8_t, 3> kGroupMasks{
     static_cast<uint8_t>(kLobeGlossy | kLobeReflection | kLobeSingular),
     static_cast<uint8_t>(kLobeGlossy | kLobeTransmission | kLobeSingular)};
 
+// Parts of a light: diffuse, glossy, transmission. They sum to 1, or to 0 where it scatters nothing.
+using LightShares = std::array<Color, 3>;
+
+// The groups' parts of what `bsdf` scatters between its wo and wi.
+inline LightShares light_shares(const Bsdf& bsdf, Vec3f wi, Transport transport, uint8_t mask) {
+  LightShares shares;
+  Color sum;
+  for (size_t g = 0; g < 3; ++g) {
+    shares[g] =
+        bsdf.eval_forward(wi, transport, static_cast<uint8_t>(mask & kGroupMasks[g])).f;
+    sum += shares[g];
+  }
+  for (size_t g = 0; g < 3; ++g) {
+    for (int c = 0; c < 3; ++c) {
+      shares[g][c] = sum[c] > 0.0f ? shares[g][c] / sum[c] : 0.0f;
+    }
+  }
+  return shares;
+}
+
 // Follows one path. What it gathers belongs to the group of its first bounce; where that bounce
 // could have been of several groups, to each in proportion.
 class LightPasses {
@@ -38,14 +58,15 @@ class LightPasses {
       shares_[static_cast<size_t>(light_group(sample.lobe))] = splat(1.0f);
       return;
     }
-    set_shares(bsdf, sample.wi, kLobeAny);
+    shares_ = light_shares(bsdf, sample.wi, Transport::kRadiance, kLobeAny);
   }
 
-  // Light sampled at the first vertex.
-  void add_first_light(const Bsdf& bsdf, Vec3f wi, uint8_t mask, Color contribution) {
-    const std::array<Color, 3> saved = shares_;
-    set_shares(bsdf, wi, mask);
-    add_to(out_.direct, contribution);
+  // Light that reaches the first vertex from wi: directly from a light, or after other surfaces.
+  void add_first_light(const Bsdf& bsdf, Vec3f wi, uint8_t mask, Color contribution,
+                       bool direct = true) {
+    const LightShares saved = shares_;
+    shares_ = light_shares(bsdf, wi, Transport::kRadiance, mask);
+    add_to(direct ? out_.direct : out_.indirect, contribution);
     shares_ = saved;
   }
 
@@ -62,21 +83,6 @@ class LightPasses {
   void add_later_light(Color contribution) { add_to(out_.indirect, contribution); }
 
  private:
-  void set_shares(const Bsdf& bsdf, Vec3f wi, uint8_t mask) {
-    std::array<Color, 3> f;
-    Color sum;
-    for (size_t g = 0; g < 3; ++g) {
-      f[g] =
-          bsdf.eval_forward(wi, Transport::kRadiance, static_cast<uint8_t>(mask & kGroupMasks[g]))
-              .f;
-      sum += f[g];
-    }
-    for (size_t g = 0; g < 3; ++g) {
-      for (int c = 0; c < 3; ++c) {
-        shares_[g][c] = sum[c] > 0.0f ? f[g][c] / sum[c] : 0.0f;
-      }
-    }
-  }
   void add_to(std::array<Color, 3>& passes, Color contribution) {
     for (size_t g = 0; g < 3; ++g) {
       passes[g] += contribution * shares_[g];
@@ -84,7 +90,7 @@ class LightPasses {
   }
 
   PassSample& out_;
-  std::array<Color, 3> shares_{};
+  LightShares shares_{};
 };
 
 }  // namespace vernier

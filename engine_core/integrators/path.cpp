@@ -296,8 +296,8 @@ class PathTracer {
       return;
     }
     if (light.cast_shadow) {
-      c *= transmittance<F.transparent>(scene_, spawn_shadow_ray(point, light), depth_,
-                                        limits_.transparent, stats_.rays);
+      c *= transmittance<F.transparent>({scene_, limits_.transparent, stats_.rays},
+                                        spawn_shadow_ray(point, light), depth_);
       if (is_black(c)) {
         return;
       }

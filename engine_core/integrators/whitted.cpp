@@ -94,8 +94,8 @@ class WhittedTracer {
           bsdf.eval_forward(light.wi, Transport::kRadiance, lobes_lit(light.visibility));
       Color c = eval.f * light.radiance * (1.0f / light.pdf);
       if (!is_black(c) && light.cast_shadow) {
-        c *= transmittance<true>(scene_, spawn_shadow_ray(point, light), depth, depth_limit_,
-                                 stats_.rays);
+        c *= transmittance<true>({scene_, depth_limit_, stats_.rays},
+                                 spawn_shadow_ray(point, light), depth);
       }
       result += c;
     }

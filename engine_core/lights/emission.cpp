@@ -133,6 +133,39 @@ EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n
   return {};
 }
 
+// Density of a lamp's rays, by area across them and solid angle (where one of the two is a delta: by
+// the other alone). The cosines of position and direction cancel.
+float lamp_ray_pdf(const LightTable& table, const Lamp& lamp, Vec3f p, Vec3f d) {
+  switch (lamp.kind) {
+    case LightKind::kPoint:
+    case LightKind::kSpot: {
+      if (lamp.kind == LightKind::kSpot &&
+          0.5f * length_squared(d - lamp.axis) > lamp.one_minus_cos_spread) {
+        return 0.0f;
+      }
+      const float direction = uniform_cone_pdf(emission_cone(lamp));
+      if (lamp.delta) {
+        return direction;
+      }
+      // A sphere emits outward only.
+      const bool outside = lamp.soft || length_squared(p - lamp.center) > square(lamp.radius);
+      return outside ? direction * bounded_density(kInvPi / square(lamp.radius)) : 0.0f;
+    }
+    case LightKind::kArea: {
+      if (lamp.delta) {
+        return 1.0f / lamp.area;
+      }
+      const float sine2 = emission_sine2(lamp);
+      const bool inside = dot(lamp.axis, d) > 0.0f &&
+                          (!lamp.spreads || length_squared(cross(lamp.axis, d)) <= sine2);
+      return inside ? kInvPi / sine2 / lamp.area : 0.0f;
+    }
+    case LightKind::kSun:
+      return disk_density(table) * (lamp.delta ? 1.0f : pdf_sun(lamp));
+  }
+  return 0.0f;
+}
+
 }  // namespace
 
 double LightSampler::total_power() const { return table_->total_power; }
@@ -153,6 +186,21 @@ EmissionPdf LightSampler::pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f d
     return {disk_density(table), table.environment.pdf_direction(-direction)};
   }
   return lamp_emission_pdf(table, table.lamp(light), n, direction);
+}
+
+float LightSampler::pdf_emission_ray(uint32_t light, Vec3f p, Vec3f direction) const {
+  const LightTable& table = *table_;
+  const float selection = pdf_emission_selection(light);
+  if (!(selection > 0.0f)) {
+    return 0.0f;
+  }
+  if (table.is_triangle(light)) {
+    return selection * 0.5f * kInvPi * bounded_density(1.0f / table.triangles[light].area);
+  }
+  if (table.is_environment(light)) {
+    return selection * disk_density(table) * table.environment.pdf_direction(-direction);
+  }
+  return selection * lamp_ray_pdf(table, table.lamp(light), p, direction);
 }
 
 bool LightSampler::sample_emission(float u_select, Vec2f u_position, Vec2f u_direction,

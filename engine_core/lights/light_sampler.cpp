@@ -107,6 +107,19 @@ bool LightSampler::is_infinite(uint32_t light) const {
          (table_->is_environment(light) || table_->lamp(light).kind == LightKind::kSun);
 }
 
+bool LightSampler::is_point(uint32_t light) const {
+  if (table_->is_triangle(light) || table_->is_environment(light)) {
+    return false;
+  }
+  const Lamp& lamp = table_->lamp(light);
+  return lamp.delta && (lamp.kind == LightKind::kPoint || lamp.kind == LightKind::kSpot);
+}
+
+bool LightSampler::is_hittable(uint32_t light) const {
+  return table_->is_triangle(light) || table_->is_environment(light) ||
+         table_->lamp(light).hittable;
+}
+
 uint32_t LightSampler::choose(const Receiver& from, float u, float& probability) const {
   const LightTable& table = *table_;
   if (table.count() == 1) {

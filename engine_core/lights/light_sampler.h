@@ -106,6 +106,12 @@ class LightSampler {
   // Densities with which sample_emission() makes origin p (normal n) and direction, given `light`.
   EmissionPdf pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f direction) const;
   float pdf_emission_selection(uint32_t light) const;
+  // Density, selection included, with which sample_emission() makes the ray that leaves `light` in
+  // `direction` and arrives at p: over area across the ray and solid angle together, a measure that
+  // is the same all along the ray (Veach 1997, section 4.1). Where the position is a delta: over
+  // solid angle alone; where the direction is: over area alone. `direction` is one in which the
+  // light shines at p. 0: paths do not start at this light.
+  float pdf_emission_ray(uint32_t light, Vec3f p, Vec3f direction) const;
   // Power of all lights that sample_emission() chooses from, watts (average of RGB).
   double total_power() const;
 
@@ -114,6 +120,10 @@ class LightSampler {
   uint32_t light_of_environment() const;
   bool is_delta(uint32_t light) const;
   bool is_infinite(uint32_t light) const;
+  // Whether the light is a point: sample_emission()'s delta_position.
+  bool is_point(uint32_t light) const;
+  // Whether scattered rays find the light by chance.
+  bool is_hittable(uint32_t light) const;
 
  private:
   // The first lamp at or after `position` of the walk, which moves past it, that the ray meets

@@ -134,6 +134,23 @@ void choose_environment(const Scene& scene, int resolution, LightTable& table) {
 constexpr float kLargestCoordinate = 1e17f;
 
 // Fills in the tree, the distant lights' shares and the powers.
+// Whether what the light reaches depends on nothing but what is in the way: only then do paths that
+// start at it carry what the camera's paths would find. Lights that shine through walls or on some
+// kinds of surfaces only are left to those.
+bool shines_evenly(const LightTable& table, uint32_t light) {
+  const auto unhidden = [](uint32_t visibility) {
+    return (visibility & kVisibleScattered) == kVisibleScattered;
+  };
+  if (table.is_triangle(light)) {
+    return unhidden(table.scene->instances[table.triangles[light].instance].visibility);
+  }
+  if (table.is_environment(light)) {
+    return unhidden(table.scene->world_visibility | kVisibleShadow);
+  }
+  const Lamp& lamp = table.lamp(light);
+  return lamp.cast_shadow && unhidden(lamp.visibility | kVisibleShadow);
+}
+
 void weigh_lights(LightTable& table) {
   const uint32_t count = table.count();
   std::vector<double> intensity(count), irradiance(count), power(count);
@@ -156,6 +173,9 @@ void weigh_lights(LightTable& table) {
     }
     largest = std::max(largest, std::max(intensity[light], irradiance[light]));
     table.total_power += power[light];
+  }
+  for (uint32_t light = 0; light < count; ++light) {
+    power[light] = shines_evenly(table, light) ? power[light] : 0.0;
   }
   table.emission = AliasTable(power);
 

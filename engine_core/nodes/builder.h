@@ -59,7 +59,8 @@ class ProgramBuilder {
   // roots[i] when the program has run (kNoOperand where the root does not exist).
   Program link(std::span<const Value> roots, std::vector<Operand>& operands) const;
   // Whether any instruction of `program` depends on the view.
-  static bool view_dependent(const Program& program);
+  // Whether some instruction has the trait.
+  static bool any(const Program& program, bool OpTraits::* trait);
 
   // Width of a Bump node's differences. A program takes all of its own at the least one.
   void add_bump_filter(float filter);

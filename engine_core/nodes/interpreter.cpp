@@ -64,9 +64,10 @@ OpTraits op_traits(Op op, uint8_t variant) {
                         value == GeometryValue::kObjectNormal};
     }
     case Op::kLightPath:
+    case Op::kLightFalloff:
+      return {true, true, true};
     case Op::kFresnel:
     case Op::kLayerWeight:
-    case Op::kLightFalloff:
       return {true, true};
     case Op::kAttribute:
     case Op::kObjectInfo:

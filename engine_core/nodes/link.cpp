@@ -80,13 +80,10 @@ Program ProgramBuilder::link(std::span<const Value> roots, std::vector<Operand>&
   return program;
 }
 
-bool ProgramBuilder::view_dependent(const Program& program) {
-  for (const Instruction& instruction : program.code) {
-    if (op_traits(instruction.op, instruction.variant).view_dependent) {
-      return true;
-    }
-  }
-  return false;
+bool ProgramBuilder::any(const Program& program, bool OpTraits::* trait) {
+  return std::any_of(program.code.begin(), program.code.end(), [&](const Instruction& i) {
+    return op_traits(i.op, i.variant).*trait;
+  });
 }
 
 }  // namespace vernier

@@ -62,6 +62,7 @@ struct MaterialTraits {
   bool emission_constant = true;         // emission() is average_emission everywhere
   bool maybe_transparent = false;        // transparency() may be non-zero
   bool view_dependent = false;           // a value depends on wo, ray_flags, ray_length or depth
+  bool path_dependent = false;           // of these, on all but wo: what the path has been through
   bool emission_view_dependent = false;  // the same, for emission() alone
   bool uses_bump = false;                // normals other than SurfacePoint::ns occur
   uint8_t lobes = 0;                     // union of the LobeBits that can occur

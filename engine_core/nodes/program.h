@@ -137,6 +137,7 @@ class Arguments {
 struct OpTraits {
   bool reads_point = false;     // anything of the surface point: never folded
   bool view_dependent = false;  // wo, ray flags, ray length or depth
+  bool path_dependent = false;  // of these, all but wo
 };
 OpTraits op_traits(Op op, uint8_t variant);
 

@@ -27,6 +27,14 @@ struct BounceLimits {
            depth.transmission <= transmission && depth.transparent <= transparent;
   }
 
+  // Whether a path may exist that joins one from the camera and one from a light which have
+  // bounced so often before the vertices that are joined.
+  bool allow_joined(const PathDepth& camera, const PathDepth& light) const {
+    return camera.total + light.total + 1 < total && camera.diffuse + light.diffuse <= diffuse &&
+           camera.glossy + light.glossy <= glossy &&
+           camera.transmission + light.transmission <= transmission;
+  }
+
  private:
   static int limit(int setting) { return setting < 0 ? std::numeric_limits<int>::max() : setting; }
 };

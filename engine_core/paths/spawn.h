@@ -25,6 +25,18 @@ inline Ray spawn_ray(const SurfacePoint& from, Vec3f d) {
   return {offset_origin(from.p, from.p_error, from.ng, d), d, kInfinity};
 }
 
+// The segment between two surface points.
+inline Ray spawn_segment(const SurfacePoint& from, const SurfacePoint& to) {
+  const Vec3f d = to.p - from.p;
+  const Vec3f o = offset_origin(from.p, from.p_error, from.ng, d);
+  return {o, offset_origin(to.p, to.p_error, to.ng, -d) - o, kOneMinusEpsilon};
+}
+
+// The segment from a point in free space to a surface point.
+inline Ray spawn_segment(Vec3f from, const SurfacePoint& to) {
+  return {from, offset_origin(to.p, to.p_error, to.ng, from - to.p) - from, kOneMinusEpsilon};
+}
+
 // The ray from a surface point to a light, ending just before it.
 inline Ray spawn_shadow_ray(const SurfacePoint& from, const LightSample& light) {
   const Vec3f o = offset_origin(from.p, from.p_error, from.ng, light.wi);

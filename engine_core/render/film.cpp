@@ -102,7 +102,8 @@ int channel_offset(PassSet passes, Pass pass) {
 
 int sampled_channels(PassSet passes) { return channel_offset(passes, Pass::kCount); }
 
-TileBuffer::TileBuffer(PassSet passes, const Tile& tile) : tile_(tile), passes_(passes) {
+TileBuffer::TileBuffer(PassSet passes, const Tile& tile, std::shared_ptr<SplatFrame> splats)
+    : tile_(tile), passes_(passes), splats_(std::move(splats)) {
   const auto count = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height);
   pixels_.resize(count);
   values_.resize(count * static_cast<size_t>(sampled_channels(passes)));
@@ -126,12 +127,13 @@ void TileBuffer::add_passes(int x, int y, const PassSample& sample, bool first) 
   }
 }
 
-Film::Film(int width, int height, PassSet passes, float exposure)
+Film::Film(int width, int height, PassSet passes, float exposure, bool splatting)
     : width_(width),
       height_(height),
       passes_(with_colors(passes)),
       exposure_(static_cast<double>(exposure)),
-      tiles_(make_tiles(width, height, kTileSize)) {
+      tiles_(make_tiles(width, height, kTileSize)),
+      splatting_(splatting) {
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
   pixels_.resize(count);
   values_.resize(count * static_cast<size_t>(sampled_channels(passes_)));
@@ -141,12 +143,49 @@ Film::Film(int width, int height, PassSet passes, float exposure)
 
 double Film::luminance_sum(const Pixel& p) { return 0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b; }
 
-void Film::merge(size_t tile, uint64_t batch, TileBuffer&& buffer) {
+TileBuffer Film::buffer(size_t tile, uint64_t batch) {
+  if (!splatting_) {
+    return TileBuffer(passes_, tiles_[tile]);
+  }
+  std::shared_ptr<SplatFrame> splats;
+  {
+    const std::lock_guard lock(frames_lock_);
+    std::shared_ptr<SplatFrame>& frame = frames_[batch].splats;
+    if (!frame) {
+      frame = std::make_shared<SplatFrame>(width_, height_, passes_.any_sampled());
+    }
+    splats = frame;
+  }
+  return TileBuffer(passes_, tiles_[tile], std::move(splats));
+}
+
+Film::Merged Film::merge_frame(uint64_t batch, TileBuffer&& buffer) {
+  const std::lock_guard lock(frames_lock_);
+  frames_.at(batch).tiles.push_back(std::move(buffer));
+  auto merged = Merged::kNothing;
+  for (auto frame = frames_.begin(); frame != frames_.end() && frame->first == next_frame_ &&
+                                     frame->second.tiles.size() == tiles_.size();
+       frame = frames_.erase(frame), ++next_frame_) {
+    for (const TileBuffer& tile : frame->second.tiles) {
+      const auto number = static_cast<size_t>(tile.number_);
+      const std::lock_guard tile_lock(locks_[number]);
+      add(tiles_[number], tile);
+    }
+    merged = Merged::kFrame;
+  }
+  return merged;
+}
+
+Film::Merged Film::merge(size_t tile, uint64_t batch, TileBuffer&& buffer) {
+  if (splatting_) {
+    buffer.number_ = tile;
+    return merge_frame(batch, std::move(buffer));
+  }
   const std::lock_guard lock(locks_[tile]);
   Arrivals& arrivals = arrivals_[tile];
   if (batch != arrivals.next) {
     arrivals.early.emplace(batch, std::move(buffer));
-    return;
+    return Merged::kNothing;
   }
   add(tiles_[tile], buffer);
   ++arrivals.next;
@@ -156,6 +195,28 @@ void Film::merge(size_t tile, uint64_t batch, TileBuffer&& buffer) {
     add(tiles_[tile], next->second);
     ++arrivals.next;
   }
+  return Merged::kTile;
+}
+
+void Film::add_splats(const SplatFrame& splats, size_t pixel, PixelBatch& batch,
+                      float* values) const {
+  const double* c = splats.sum(0, pixel);
+  batch.r += c[0], batch.g += c[1], batch.b += c[2];
+  if (!splats.has_passes()) {
+    return;
+  }
+  constexpr std::array kPlanes{Pass::kDiffuseDirect,   Pass::kGlossyDirect,
+                               Pass::kTransmissionDirect, Pass::kDiffuseIndirect,
+                               Pass::kGlossyIndirect,  Pass::kTransmissionIndirect};
+  for (size_t i = 0; i < kPlanes.size(); ++i) {
+    if (passes_.has(kPlanes[i])) {
+      const double* light = splats.sum(SplatFrame::kDirectPlane + i, pixel);
+      float* out = values + channel_offset(passes_, kPlanes[i]);
+      for (int channel = 0; channel < 3; ++channel) {
+        out[channel] += static_cast<float>(light[channel]);
+      }
+    }
+  }
 }
 
 void Film::add(const Tile& tile, const TileBuffer& buffer) {
@@ -163,17 +224,21 @@ void Film::add(const Tile& tile, const TileBuffer& buffer) {
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; ++x) {
       const size_t from = buffer.index(x, y);
-      const PixelBatch& batch = buffer.pixels_[from];
+      PixelBatch batch = buffer.pixels_[from];
       if (batch.samples == 0) {
         continue;
       }
       const size_t to = static_cast<size_t>(tile.y + y) * static_cast<size_t>(width_) +
                         static_cast<size_t>(tile.x + x);
+      if (buffer.splats() != nullptr) {
+        add_splats(*buffer.splats(), to, batch, values_.data() + to * channels);
+      }
       Pixel& p = pixels_[to];
       p.r += batch.r, p.g += batch.g, p.b += batch.b, p.alpha += batch.alpha;
       const double luminance = 0.2126 * batch.r + 0.7152 * batch.g + 0.0722 * batch.b;
       p.luminance_squares += luminance * luminance / batch.samples;
       p.samples += batch.samples;
+      pixel_samples_.fetch_add(batch.samples, std::memory_order_relaxed);
       ++p.batches;
       for (size_t c = 0; c < channels; ++c) {
         values_[to * channels + c] += buffer.values_[from * channels + c];

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -15,6 +16,7 @@
 
 #include "math/vec.h"
 #include "render/passes.h"
+#include "render/splats.h"
 
 namespace vernier {
 
@@ -49,8 +51,11 @@ struct PixelBatch {
 // A tile's pixels of one batch, on their way to the film.
 class TileBuffer {
  public:
-  TileBuffer(PassSet passes, const Tile& tile);
+  // `splats`: where the batch's light goes that is not of these pixels' own samples; null where the
+  // method has none.
+  TileBuffer(PassSet passes, const Tile& tile, std::shared_ptr<SplatFrame> splats = nullptr);
 
+  SplatFrame* splats() const { return splats_.get(); }
   PixelBatch& pixel(int x, int y) { return pixels_[index(x, y)]; }
   // Adds a sample's passes; x and y are relative to the tile.
   void add_passes(int x, int y, const PassSample& sample, bool first);
@@ -64,12 +69,15 @@ class TileBuffer {
   PassSet passes_;
   std::vector<PixelBatch> pixels_;
   std::vector<float> values_;  // by pixel: the channels of all sampled passes
+  std::shared_ptr<SplatFrame> splats_;
+  size_t number_ = 0;  // of the tile, where it waits for its frame
 };
 
 class Film {
  public:
-  // Throws std::bad_alloc when there is no memory for it.
-  Film(int width, int height, PassSet passes, float exposure);
+  // `splatting`: samples add to other pixels than their own, so that nothing of a batch is known
+  // before all of it is there. Throws std::bad_alloc when there is no memory for it.
+  Film(int width, int height, PassSet passes, float exposure, bool splatting = false);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -77,10 +85,20 @@ class Film {
   // All tiles, from the middle outward.
   const std::vector<Tile>& tiles() const { return tiles_; }
 
+  // An empty buffer for batch number `batch` of tile number `tile`.
+  TileBuffer buffer(size_t tile, uint64_t batch);
+
+  // What merge() has made visible.
+  enum class Merged { kNothing, kTile, kFrame };
+
   // Adds batch number `batch` of tile number `tile`. Threads may merge at the same time and in any
   // order, but a tile's batches are summed in their own: sums of rounded numbers depend on it, and
   // a picture must not depend on the threads. A batch that comes early waits for those before.
-  void merge(size_t tile, uint64_t batch, TileBuffer&& buffer);
+  // With splats a batch waits for all of its tiles: the frame changes as a whole.
+  Merged merge(size_t tile, uint64_t batch, TileBuffer&& buffer);
+
+  // Samples in the sums, over all pixels.
+  uint64_t pixel_samples() const { return pixel_samples_.load(std::memory_order_relaxed); }
 
   // The current estimate of a pass over a rectangle, rows upward, channels interleaved, into `out`
   // of width * height * channels floats. Pixels without samples are zero; their error, and that
@@ -104,7 +122,15 @@ class Film {
     std::map<uint64_t, TileBuffer> early;
   };
 
+  // A batch of a splatting method, until it is whole.
+  struct Frame {
+    std::shared_ptr<SplatFrame> splats;
+    std::vector<TileBuffer> tiles;
+  };
+
   void add(const Tile& tile, const TileBuffer& buffer);
+  void add_splats(const SplatFrame& splats, size_t pixel, PixelBatch& batch, float* values) const;
+  Merged merge_frame(uint64_t batch, TileBuffer&& buffer);
   static double luminance_sum(const Pixel& p);
   double half_width(const Pixel& p) const;
   void read_pixel(Pass pass, size_t pixel, double mean, float* out) const;
@@ -117,6 +143,11 @@ class Film {
   std::vector<float> values_;
   std::vector<Arrivals> arrivals_;               // by tile
   mutable std::unique_ptr<std::mutex[]> locks_;  // by tile
+  std::atomic<uint64_t> pixel_samples_{0};
+  bool splatting_;
+  std::mutex frames_lock_;
+  std::map<uint64_t, Frame> frames_;  // by batch: those begun and not yet in the sums
+  uint64_t next_frame_ = 0;
 };
 
 // Number of floats that a sample's passes take per pixel, and the place of one pass among them.

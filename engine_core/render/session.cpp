@@ -16,12 +16,16 @@ namespace {
 // Larger batches would make cancelling slow and change nothing.
 constexpr uint64_t kLargestBatch = 64;
 
-std::vector<Batch> plan_batches(const Settings& settings) {
+// A frame of splats counts as a whole or not at all: when the time is up, little must be lost.
+constexpr uint32_t kSplattingShare = 16, kTileShare = 4;
+
+std::vector<Batch> plan_batches(const Settings& settings, bool splatting) {
+  const uint32_t share = splatting ? kSplattingShare : kTileShare;
   const auto samples = static_cast<uint32_t>(settings.samples);
   const uint64_t seed = hash64(static_cast<uint64_t>(settings.seed));
   std::vector<Batch> plan;
   for (uint32_t first = 0; first < samples; first += plan.back().samples) {
-    const uint32_t size = std::min(batch_samples(first), samples - first);
+    const uint32_t size = std::min(batch_samples(first, share), samples - first);
     plan.push_back({seed, first, size, static_cast<int>(std::bit_width(samples - 1u))});
   }
   return plan;
@@ -29,8 +33,8 @@ std::vector<Batch> plan_batches(const Settings& settings) {
 
 }  // namespace
 
-uint32_t batch_samples(uint64_t total_before) {
-  const uint64_t size = std::bit_floor(std::max<uint64_t>(total_before / 4, 1));
+uint32_t batch_samples(uint64_t total_before, uint32_t share) {
+  const uint64_t size = std::bit_floor(std::max<uint64_t>(total_before / share, 1));
   return static_cast<uint32_t>(std::min(size, kLargestBatch));
 }
 
@@ -38,11 +42,12 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
     : scene_(std::move(scene)),
       settings_(settings),
       passes_(passes),
+      kernel_(choose_kernel(settings, scene_->requirements, passes)),
       film_(scene_->film.crop[2] - scene_->film.crop[0],
-            scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure),
+            scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure,
+            kernel_.splats),
       filter_(scene_->film.filter, scene_->film.filter_width),
-      kernel_(choose_kernel(settings, scene_->requirements, film_.passes())),
-      plan_(plan_batches(settings)),
+      plan_(plan_batches(settings, kernel_.splats)),
       thread_count_(resolve_threads(settings.threads)),
       stats_(static_cast<size_t>(thread_count_)),
       rays_(static_cast<size_t>(thread_count_)),
@@ -129,17 +134,19 @@ void Session::work(int thread) {
     while (next_job(number, tile_number)) {
       const Tile& tile = film_.tiles()[tile_number];
       const Batch& batch = plan_[number];
-      TileBuffer buffer(film_.passes(), tile);
-      kernel_(context, batch, tile, buffer, film_.passes(), stats);
+      TileBuffer buffer = film_.buffer(tile_number, number);
+      kernel_.render_tile(context, batch, tile, buffer, film_.passes(), stats);
       if (stopped_) {
         break;  // pixels of an unfinished tile would have a batch of another size
       }
-      film_.merge(tile_number, number, std::move(buffer));
-      pixel_samples_ += static_cast<uint64_t>(batch.samples) * static_cast<uint64_t>(tile.width) *
-                        static_cast<uint64_t>(tile.height);
+      const Film::Merged merged = film_.merge(tile_number, number, std::move(buffer));
       rays_[static_cast<size_t>(thread)] = stats.rays;
       const std::lock_guard lock(mutex_);
-      changed_[tile_number] = true;
+      if (merged == Film::Merged::kTile) {
+        changed_[tile_number] = true;
+      } else if (merged == Film::Merged::kFrame) {
+        changed_.assign(changed_.size(), true);
+      }
     }
   } catch (const std::exception& e) {
     stopped_ = true;
@@ -172,7 +179,7 @@ Progress Session::poll(bool with_error) const {
   Progress p;
   p.done = started_ && running_ == 0;  // first: then the rest is final too
   const double pixels = static_cast<double>(film_.width()) * static_cast<double>(film_.height());
-  p.samples = static_cast<double>(pixel_samples_.load()) / pixels;
+  p.samples = static_cast<double>(film_.pixel_samples()) / pixels;
   p.samples_target = settings_.samples;
   p.seconds = elapsed();
   for (const auto& rays : rays_) {

@@ -20,8 +20,8 @@ namespace vernier {
 // Samples of the batch that follows `total_before` samples: batches grow with what has been
 // rendered, so that the first picture comes at once and the error estimate has at least eight
 // batches to go by once there are eight samples. All are powers of two, and so are aligned blocks
-// of the sequence.
-uint32_t batch_samples(uint64_t total_before);
+// of the sequence. A batch is no more than 1 / `share` of what was before.
+uint32_t batch_samples(uint64_t total_before, uint32_t share = 4);
 
 struct Progress {
   double samples = 0;  // per pixel, on average
@@ -74,9 +74,9 @@ class Session {
   std::shared_ptr<const Scene> scene_;
   Settings settings_;
   PassSet passes_;
+  Kernel kernel_;
   Film film_;
   PixelFilter2d filter_;
-  RenderTile kernel_;
   std::vector<Batch> plan_;
   int thread_count_;
   std::vector<std::thread> threads_;
@@ -84,7 +84,6 @@ class Session {
   std::vector<RenderStats> stats_;
   std::vector<std::atomic<uint64_t>> rays_;
   std::atomic<uint64_t> next_{0};  // job number: batch * tiles + tile
-  std::atomic<uint64_t> pixel_samples_{0};
   std::atomic<uint64_t> non_finite_{0};
   std::atomic<bool> cancelled_{false};
   std::atomic<bool> stopped_{false};  // cancelled, out of time, or failed

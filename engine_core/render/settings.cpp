@@ -14,6 +14,15 @@ constexpr std::array kIntegrators{
              "Paths from the camera, lights sampled at every bounce: the robust choice"},
     EnumItem{"WHITTED", "Whitted Ray Tracing",
              "Classic recursive ray tracing: shadow rays, perfect reflection and refraction only"},
+    EnumItem{"LIGHT", "Light Tracing",
+             "Paths from the lights alone, seen where they meet the camera: no mirror shows them"},
+    EnumItem{"BDPT", "Bidirectional Path Tracing",
+             "Paths from the camera and from the lights, joined in every way: for lamps in "
+             "fixtures, light through narrow openings, caustics on matte surfaces"},
+};
+constexpr std::array kMisHeuristics{
+    EnumItem{"BALANCE", "Balance", "In proportion to each technique's density"},
+    EnumItem{"POWER", "Power", "In proportion to its square: sharper where one is far better"},
 };
 constexpr std::array kDirectLight{
     EnumItem{"MIS", "Multiple Importance",
@@ -130,6 +139,17 @@ const std::array kParameters{
          "Clamp Indirect", "Biased: limits what one sample adds to indirect light; 0: off"),
     integer("light_paths", "whitted_depth", &Settings::whitted_depth, 1, 64, 1, 32,
             "Recursion Depth", "Deepest recursion of Whitted ray tracing"),
+    choice("bidirectional", "mis_heuristic", &Settings::mis_heuristic, kMisHeuristics,
+           "MIS Heuristic", "How the techniques that find one path share it"),
+    integer("bidirectional", "only_light_vertices", &Settings::only_light_vertices, -1, 1 << 16, -1,
+            16, "Light Vertices",
+            "Show only the techniques with this many vertices from the light; -1: all"),
+    integer("bidirectional", "only_camera_vertices", &Settings::only_camera_vertices, -1, 1 << 16,
+            -1, 16, "Camera Vertices",
+            "Show only the techniques with this many vertices from the camera; -1: all"),
+    integer("bidirectional", "unweighted", &Settings::unweighted, 0, 1, 0, 1, "Unweighted",
+            "1: leave out the weights, so that each technique alone shows all light that it can "
+            "find. With more than one technique the picture is then too bright"),
     film_choice("pixel_filter", static_cast<int>(FilmDesc{}.filter), kFilters, "Pixel Filter",
                 "Shape of the reconstruction filter"),
     film_real("filter_width", FilmDesc{}.filter_width, 0.01, 10, 0.5, 4, "Filter Width",

@@ -14,7 +14,8 @@
 
 namespace vernier {
 
-enum class IntegratorKind : int { kPath, kWhitted };
+enum class IntegratorKind : int { kPath, kWhitted, kLight, kBdpt };
+enum class MisExponent : int { kBalance, kPower };
 enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
 
 struct Settings {
@@ -35,6 +36,10 @@ struct Settings {
   double clamp_direct = 0.0;
   double clamp_indirect = 0.0;
   int whitted_depth = 16;
+  int mis_heuristic = static_cast<int>(MisExponent::kPower);
+  int only_light_vertices = -1;
+  int only_camera_vertices = -1;
+  int unweighted = 0;
 };
 
 struct EnumItem {

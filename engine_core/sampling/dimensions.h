@@ -19,9 +19,26 @@ enum class BounceDim : uint32_t {
   kCount = 4,
 };
 
+// Pairs of the start of a path that leaves a light.
+enum class LightDim : uint32_t {
+  kChoice = 0,     // x: which light
+  kPosition = 1,   // the point on it
+  kDirection = 2,  // the direction
+  kCount = 3,
+};
+
+// Paths from lights number their dimensions from here, beyond those of any path from the camera.
+inline constexpr uint32_t kFirstLightDimension = 1u << 30;
+
+constexpr uint32_t dimension(LightDim d) { return kFirstLightDimension + static_cast<uint32_t>(d); }
 constexpr uint32_t dimension(CameraDim d) { return static_cast<uint32_t>(d); }
 constexpr uint32_t dimension(uint32_t bounce, BounceDim d) {
   return static_cast<uint32_t>(CameraDim::kCount) +
+         bounce * static_cast<uint32_t>(BounceDim::kCount) + static_cast<uint32_t>(d);
+}
+// The same for a path from a light.
+constexpr uint32_t light_dimension(uint32_t bounce, BounceDim d) {
+  return kFirstLightDimension + static_cast<uint32_t>(LightDim::kCount) +
          bounce * static_cast<uint32_t>(BounceDim::kCount) + static_cast<uint32_t>(d);
 }
 

@@ -18,6 +18,17 @@ class PixelFilter2d {
 
   // Offset from the pixel's centre, pixels.
   Vec2f sample(Vec2f u) const { return {sample_1d(u.x), sample_1d(u.y)}; }
+  // Density of an offset along one axis, per pixel: the filter is the product of both axes'.
+  float pdf_1d(float offset) const {
+    const float x = (offset / extent_ + 0.5f) * kCells;
+    if (!(x >= 0.0f && x < kCells)) {
+      return 0.0f;
+    }
+    const auto cell = static_cast<size_t>(x);
+    return (cdf_[cell + 1] - cdf_[cell]) * (kCells / extent_);
+  }
+  // The largest offset along an axis, pixels.
+  float radius() const { return 0.5f * extent_; }
 
  private:
   static constexpr int kCells = 128;  // of even width: the density is constant in each

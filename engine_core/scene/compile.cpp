@@ -305,6 +305,9 @@ class SceneCompiler {
     for (const Instance& instance : s.instances) {
       r.instanced_triangles += s.meshes[instance.mesh].triangles.size();
       r.hidden_from_rays = r.hidden_from_rays || instance.visibility != kVisibleAll;
+      const uint32_t scattered = instance.visibility & kVisibleScattered;
+      r.uneven_visibility =
+          r.uneven_visibility || (scattered != 0u && scattered != kVisibleScattered);
       for (uint32_t slot = 0; slot < instance.slot_count; ++slot) {
         used[s.slot_materials[instance.material_offset + slot]] = true;
       }
@@ -317,6 +320,7 @@ class SceneCompiler {
       const MaterialTraits& traits = s.materials[i]->traits();
       ++(traits.is_constant ? r.constant_materials : r.program_materials);
       r.programs = r.programs || !traits.is_constant;
+      r.path_dependent = r.path_dependent || traits.path_dependent;
       r.textured_emission =
           r.textured_emission || (traits.is_emissive && !traits.emission_constant);
       r.singular_lobes = r.singular_lobes || (traits.lobes & kLobeSingular) != 0;

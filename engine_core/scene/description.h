@@ -50,6 +50,8 @@ enum Visibility : uint32_t {
   kVisibleTransmission = 1u << 3,
   kVisibleShadow = 1u << 4,
   kVisibleAll = (1u << 5) - 1u,
+  // What the light that scatters in the scene sees, whichever end its path is traced from.
+  kVisibleScattered = kVisibleAll & ~kVisibleCamera,
 };
 
 struct InstancesDesc {

@@ -24,6 +24,10 @@ struct Requirements {
   bool instancing = false;
   bool light_tree = false;
   bool hidden_from_rays = false;  // some object or lamp is invisible to some kind of ray
+  // Some object is visible to some kinds of scattered rays only, so that what a path from a light
+  // meets would depend on what comes after: no such paths then.
+  bool uneven_visibility = false;
+  bool path_dependent = false;  // some material reads what the path has been through
 };
 
 }  // namespace vernier

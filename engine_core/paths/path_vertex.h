@@ -1,0 +1,116 @@
+// A vertex of a path on a surface, and how light scatters there.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "bsdf/bsdf.h"
+#include "nodes/material.h"
+#include "paths/mis.h"
+#include "scene/scene.h"
+#include "scene/surface_point.h"
+
+namespace vernier {
+
+// Made by a sub-path that arrives along -point.wo. It is the whole of what a connection needs.
+struct PathVertex {
+  SurfacePoint point;
+  Bsdf bsdf;    // closures as seen along point.wo
+  Color beta;   // throughput up to here: before scattering, with all densities divided out
+  MisState mis;
+  uint32_t parent = kNoIndex;  // the vertex before, in its Subpath; kNoIndex: the sub-path's start
+  Transport mode = Transport::kRadiance;
+  bool view_dependent = false;  // the closures depend on the viewer: the other side sees others
+  bool other_reaches = true;    // sub-paths from the other side may contain this vertex
+};
+
+// |cos| with the geometric normal. At least its rounding error: densities are divided by it.
+inline float abs_cosine(const SurfacePoint& point, Vec3f w) {
+  return std::max(std::abs(dot(point.ng, w)), kUnitRoundoff);
+}
+
+// The closures at `point` as seen along wo.
+inline void evaluate_bsdf(const Scene& scene, const SurfacePoint& point, Bsdf& bsdf) {
+  bsdf.begin(point);
+  scene.materials[point.material]->evaluate(point, bsdf);
+  bsdf.finish();
+}
+
+// The same point met from direction w instead of wo.
+inline SurfacePoint seen_from(const SurfacePoint& point, Vec3f w) {
+  SurfacePoint other = point;
+  other.wo = w;
+  if (dot(w, point.ng) < 0.0f) {
+    other.ng = -point.ng;
+    other.ns = -point.ns;
+    other.backfacing = !point.backfacing;
+  }
+  return other;
+}
+
+// Scattering between point.wo and wi, smooth lobes only; f, pdf and pdf_reverse as Bsdf has them
+// for the vertex's mode. Closures that depend on the viewer are those that the camera's side sees,
+// and each side's density is of the closures that it sees itself.
+inline BsdfEval scatter_eval(const Scene& scene, const PathVertex& v, Vec3f wi,
+                             uint8_t mask = kLobeAny) {
+  if (!v.view_dependent) {
+    return v.bsdf.eval(wi, v.mode, mask);
+  }
+  Bsdf other;
+  evaluate_bsdf(scene, seen_from(v.point, wi), other);
+  BsdfEval e = v.bsdf.eval_forward(wi, v.mode, mask);
+  if (v.mode == Transport::kRadiance) {
+    e.pdf_reverse = other.eval_forward(v.point.wo, Transport::kImportance, mask).pdf;
+  } else {
+    const BsdfEval seen = other.eval_forward(v.point.wo, Transport::kRadiance, mask);
+    e.f = seen.f * (abs_cosine(v.point, wi) / abs_cosine(v.point, v.point.wo));
+    e.pdf_reverse = seen.pdf;
+  }
+  return e;
+}
+
+// Corrects a sample of a surface whose closures depend on the viewer.
+inline bool see_from_other_side(const Scene& scene, const PathVertex& v, BsdfSample& sample) {
+  if ((sample.lobe & kLobeSingular) == 0) {
+    const BsdfEval e = scatter_eval(scene, v, sample.wi);
+    sample.weight = e.f / sample.pdf;
+    sample.pdf_reverse = e.pdf_reverse;
+    return true;
+  }
+  Bsdf other;
+  evaluate_bsdf(scene, seen_from(v.point, sample.wi), other);
+  const std::optional<BsdfSample> back = other.singular_toward(v.point.wo, sample.lobe);
+  sample.pdf_reverse = back ? back->pdf : 0.0f;
+  if (v.mode == Transport::kRadiance) {
+    return true;
+  }
+  if (!back) {
+    return false;  // the camera's side sees no such event
+  }
+  // Radiance's ratio turned into importance's: the change of variables of Veach 1997, sections 5.2
+  // and 5.3, of which the facet's cosines are found from the two directions.
+  const Vec3f wo = v.point.wo, wi = sample.wi;
+  float adjoint = 1.0f;
+  if ((sample.lobe & kLobeTransparent) == 0) {
+    const bool transmits = (sample.lobe & kLobeTransmission) != 0;
+    const Vec3f facet = transmits && sample.eta != 1.0f ? wo + wi * sample.eta : wo + wi;
+    const float along_wo = std::abs(dot(facet, wo)), along_wi = std::abs(dot(facet, wi));
+    const bool straight = !(along_wi > 0.0f) || dot(wo, wi) < -kOneMinusEpsilon;
+    adjoint = abs_cosine(v.point, wi) / abs_cosine(v.point, wo) *
+              (straight ? 1.0f : along_wo / along_wi) / square(sample.eta);
+  }
+  sample.weight = back->weight * (adjoint / sample.pdf);
+  return true;
+}
+
+// Samples wi at a vertex; all lobes' value and both densities. Empty: the path ends.
+inline std::optional<BsdfSample> scatter_sample(const Scene& scene, const PathVertex& v,
+                                                float u_lobe, Vec2f u) {
+  std::optional<BsdfSample> sample = v.bsdf.sample(u_lobe, u, v.mode);
+  if (sample && v.view_dependent && !see_from_other_side(scene, v, *sample)) {
+    return std::nullopt;
+  }
+  return sample;
+}
+
+}  // namespace vernier

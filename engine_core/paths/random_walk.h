@@ -1,0 +1,112 @@
+// The walk that carries every sub-path, from the camera and from lights alike.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "bsdf/bsdf.h"
+#include "paths/bounce_limits.h"
+#include "paths/path_vertex.h"
+#include "paths/roulette.h"
+#include "paths/spawn.h"
+#include "sampling/dimensions.h"
+#include "sampling/sobol.h"
+#include "scene/scene.h"
+
+namespace vernier {
+
+// Where a walk is: the ray it is about to trace, and what it carries along it.
+struct Walk {
+  Ray ray;
+  Transport mode = Transport::kRadiance;
+  Color beta = splat(1.0f);
+  float start = 1.0f;  // the largest component of beta at the start: roulette's measure
+  uint32_t flags = kRayCamera;
+  uint32_t mask = kVisibleCamera;
+  PathDepth depth;
+  float travelled = 0.0f;  // from the last vertex that scattered, through transparent surfaces
+  uint32_t index = 0;      // surfaces met, transparent ones included
+};
+
+// What walks share.
+struct WalkContext {
+  const Scene& scene;
+  const SobolSampler& sampler;
+  const std::atomic<bool>& cancelled;
+  BounceLimits limits;
+  Roulette roulette;
+  uint64_t& rays;
+};
+
+// Follows `walk` to its end. The visitor says what the path is for:
+//   bool segment(const Walk&, const Ray& ray, bool found)  a ray, which ends at a surface where
+//       `found`; false ends the walk there;
+//   PathVertex& vertex()  where the next vertex is to be written;
+//   bool arrive(const Walk&, PathVertex&)  a surface, its closures evaluated; false ends the walk;
+//   void pass(const PathVertex&)  the walk goes straight on through the surface: no scattering;
+//   void leave(const PathVertex&, const BsdfSample&)  the walk scatters and goes on.
+template <class Visitor>
+void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
+  const Scene& scene = context.scene;
+  const bool from_camera = walk.mode == Transport::kRadiance;
+  const auto draw = [&](BounceDim d) {
+    return context.sampler.get_2d(from_camera ? dimension(walk.index, d)
+                                              : light_dimension(walk.index, d));
+  };
+  for (;; ++walk.index) {
+    if (context.cancelled.load(std::memory_order_relaxed)) {
+      return;
+    }
+    Hit hit;
+    ++context.rays;
+    const bool found = scene.intersect(walk.ray, walk.mask, hit);
+    if (found) {
+      walk.ray.t_max = hit.t;
+    }
+    if (!visitor.segment(walk, walk.ray, found) || !found) {
+      return;
+    }
+    PathVertex& v = visitor.vertex();
+    v.point = scene.surface_point(walk.ray, hit);
+    v.point.ray_flags = walk.flags;
+    v.point.depth = walk.depth;
+    walk.travelled += v.point.ray_length;
+    evaluate_bsdf(scene, v.point, v.bsdf);
+    v.beta = walk.beta;
+    v.mode = walk.mode;
+    const MaterialTraits& traits = scene.materials[v.point.material]->traits();
+    v.view_dependent = traits.view_dependent;
+    if (!visitor.arrive(walk, v)) {
+      return;
+    }
+    const bool choose =
+        !v.bsdf.single_lobe() || context.roulette.begins(walk.depth.total, walk.index);
+    const Vec2f u = choose ? draw(BounceDim::kLobe) : Vec2f{};
+    const auto sample = scatter_sample(scene, v, u.x, draw(BounceDim::kDirection));
+    if (!sample || is_black(sample->weight)) {
+      return;
+    }
+    scatter(sample->lobe, walk.depth, walk.flags, walk.mask);
+    if (!context.limits.allow(walk.depth)) {
+      return;
+    }
+    walk.beta *= sample->weight;
+    const float survival = context.roulette.survival(walk.depth.total, walk.index,
+                                                     max_component(walk.beta) / walk.start);
+    if (!(u.y < survival)) {
+      return;
+    }
+    if (survival < 1.0f) {
+      walk.beta *= 1.0f / survival;
+    }
+    if ((sample->lobe & kLobeTransparent) != 0) {
+      visitor.pass(v);
+    } else {
+      visitor.leave(v, *sample);
+      walk.travelled = 0.0f;
+    }
+    walk.ray = spawn_ray(v.point, sample->wi);
+  }
+}
+
+}  // namespace vernier

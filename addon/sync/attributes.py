@@ -49,7 +49,8 @@ def active_uv(mesh: bpy.types.Mesh) -> str:
     return str(mesh.uv_layers[0].name) if mesh.uv_layers else ""
 
 
-def _active_color(mesh: bpy.types.Mesh) -> str:
+def active_color(mesh: bpy.types.Mesh) -> str:
+    """The name of the colour attribute that renders use where none is named; empty: none."""
     layers = mesh.color_attributes
     index = layers.render_color_index
     return str(layers[index].name) if 0 <= index < len(layers) else ""
@@ -61,38 +62,33 @@ def read(
     """Reads one attribute that a material asks for; None: this mesh does not carry it."""
     name = wanted.name
     if wanted.kind == "color":
-        source, key = (name or _active_color(mesh)), name or ACTIVE_COLOR
-        return _read_generic(mesh, source, key, result.name, report)
+        name = name or result.active_color
     if wanted.kind in ("uv", "tangent"):
         name = name or result.active_uv
         if name not in mesh.uv_layers:
             return None
     if wanted.kind == "tangent":
         return Attribute(f"tangent:{name}", Domain.CORNER, tangents(mesh, result, name))
-    return _read_generic(mesh, name, name, result.name, report)
-
-
-# The name under which a mesh's active colour attribute is stored for nodes that name none.
-ACTIVE_COLOR = "color:"
+    return _read_generic(mesh, name, result.name, report)
 
 
 def _read_generic(
-    mesh: bpy.types.Mesh, source: str, key: str, owner: str, report: Report
+    mesh: bpy.types.Mesh, name: str, owner: str, report: Report
 ) -> Attribute | None:
-    attribute = mesh.attributes.get(source) if source else None
+    attribute = mesh.attributes.get(name) if name else None
     if attribute is None:
         return None
     if attribute.domain not in _DOMAINS or attribute.data_type not in _LAYOUTS:
         report.warn(
-            f'object "{owner}": attribute "{source}" ({attribute.data_type.lower()} on '
+            f'object "{owner}": attribute "{name}" ({attribute.data_type.lower()} on '
             f"{attribute.domain.lower()}s) is not supported; materials read 0"
         )
         return None
     data = values(attribute).reshape(-1, _LAYOUTS[attribute.data_type][1])
     if not np.isfinite(data).all():
         report.warn(
-            f'object "{owner}": attribute "{source}" holds values that are not finite; '
+            f'object "{owner}": attribute "{name}" holds values that are not finite; '
             "they are read as 0"
         )
         data = np.nan_to_num(data, nan=0.0, posinf=0.0, neginf=0.0)
-    return Attribute(key, _DOMAINS[attribute.domain], data)
+    return Attribute(name, _DOMAINS[attribute.domain], data)

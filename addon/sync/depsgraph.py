@@ -107,7 +107,7 @@ class _Pass:
         frame = Frame.of(self.scene.render)
         result = SceneDescription(camera=self._camera(frame), world=self._world())
         options = self.options
-        result.film = read_film(self.scene, frame, options.border)
+        result.film = read_film(self.scene, self.layer, frame, options.border)
         result.film.filter = options.filter
         result.film.exposure = options.exposure
         result.film.filter_width = options.filter_width

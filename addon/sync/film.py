@@ -8,7 +8,9 @@ from engine_core.description import Film
 from .camera import Frame
 
 
-def read_film(scene: bpy.types.Scene, frame: Frame, border: bool = True) -> Film:
+def read_film(
+    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, frame: Frame, border: bool = True
+) -> Film:
     """Reads what Blender itself knows; `border` False renders the whole frame whatever it is.
 
     The filter and the exposure are the engine's own settings (`SyncOptions`).
@@ -22,6 +24,7 @@ def read_film(scene: bpy.types.Scene, frame: Frame, border: bool = True) -> Film
         height=frame.height,
         crop=crop,
         transparent=bool(render.film_transparent),
+        pass_alpha_threshold=float(layer.pass_alpha_threshold),
     )
 
 

@@ -44,6 +44,7 @@ def read_mesh(
     _read_normals(mesh, result, report)
     _read_texture_space(mesh, result)
     result.active_uv = attributes.active_uv(mesh)
+    result.active_color = attributes.active_color(mesh)
     result.attributes = _read_attributes(mesh, result, reads, report)
     return result
 

@@ -113,6 +113,7 @@ class Reader {
     m.texture_space_min = vector(o, "texture_space_min");
     m.texture_space_max = vector(o, "texture_space_max");
     m.active_uv = text(o, "active_uv");
+    m.active_color = text(o, "active_color");
     return m;
   }
 
@@ -213,6 +214,7 @@ class Reader {
                                       : FilterKind::kBlackmanHarris;
     f.filter_width = real(o, "filter_width");
     f.exposure = real(o, "exposure");
+    f.pass_alpha_threshold = real(o, "pass_alpha_threshold");
     f.transparent = truth(o, "transparent");
     return f;
   }

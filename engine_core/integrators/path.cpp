@@ -41,9 +41,6 @@ inline float power_heuristic(float a, float b) {
 constexpr int kLossless = 64;
 constexpr float kMostSurvival = 0.95f;
 
-// Surfaces less opaque than this leave normal, UV and depth to those behind (Blender's default).
-constexpr float kPassAlphaThreshold = 0.5f;
-
 // A path without end (no roulette, no limit, no loss) must still hear a cancel.
 constexpr uint32_t kPollVertices = 256;
 
@@ -226,7 +223,7 @@ class PathTracer {
     }
     s.depth = (to_camera + travelled_) * view_cosine(point);
     s.position = scene_.to_world(point.p);
-    if (average(bsdf.transparency) <= 1.0f - kPassAlphaThreshold) {
+    if (average(bsdf.transparency) <= 1.0f - scene_.film.pass_alpha_threshold) {
       s.normal = s.denoising_normal = bsdf.mean_normal();
       s.uv = scene_.uv(point);
       recorded_ = true;

@@ -20,19 +20,22 @@ Vec3f read_vec3(std::span<const float> data, size_t i) {
 }
 
 // The mesh's own name of an attribute that materials ask for.
-std::string resolve_attribute(const std::string& name, const std::string& active_uv) {
+std::string resolve_attribute(const std::string& name, const MeshDesc& desc) {
   if (name == kActiveUvAttribute) {
-    return active_uv;
+    return desc.active_uv;
   }
   if (name == kTangentAttributePrefix) {
-    return name + active_uv;
+    return name + desc.active_uv;
+  }
+  if (name == kActiveColorAttribute) {
+    return desc.active_color;
   }
   return name;
 }
 
 void copy_attributes(const MeshDesc& desc, std::span<const std::string> names, Mesh& mesh) {
   for (size_t id = 0; id < names.size(); ++id) {
-    const std::string wanted = resolve_attribute(names[id], desc.active_uv);
+    const std::string wanted = resolve_attribute(names[id], desc);
     for (const AttributeDesc& a : desc.attributes) {
       if (a.name == wanted) {
         mesh.attributes.resize(names.size());

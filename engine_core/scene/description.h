@@ -39,7 +39,8 @@ struct MeshDesc {
   std::vector<AttributeDesc> attributes;
   // Object-space box that the generated coordinates map to [0,1]^3.
   Vec3f texture_space_min{-1, -1, -1}, texture_space_max{1, 1, 1};
-  std::string active_uv;  // the UV map that nodes which name none use
+  std::string active_uv;     // the UV map that nodes which name none use
+  std::string active_color;  // the colour attribute that nodes which name none use
 };
 
 // Bits of ray visibility, as Blender's object and light options have them.
@@ -177,6 +178,8 @@ struct FilmDesc {
   float filter_width = 1.5f;  // pixels, as Blender names it
   float exposure = 1.0f;
   bool transparent = false;  // the world leaves alpha 0 to camera rays
+  // Surfaces less opaque than this leave the passes of the first surface to those behind; [0, 1].
+  float pass_alpha_threshold = 0.5f;
 };
 
 struct SceneDescription {

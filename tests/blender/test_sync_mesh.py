@@ -141,7 +141,7 @@ def test_colours_are_linear(make: Any, export: Any, kind: str, domain: str) -> N
     assert result.attributes[0].domain == Domain[domain]
 
 
-def test_the_active_colour_has_a_name_of_its_own(make: Any, export: Any) -> None:
+def test_nodes_that_name_no_colour_read_the_active_one(make: Any, export: Any) -> None:
     mesh = make.quad("Quad")
     mesh.color_attributes.new("First", "FLOAT_COLOR", "POINT")
     second = mesh.color_attributes.new("Second", "FLOAT_COLOR", "POINT")
@@ -149,7 +149,10 @@ def test_the_active_colour_has_a_name_of_its_own(make: Any, export: Any) -> None
     mesh.color_attributes.render_color_index = 1
     mesh.materials.append(_reading_material(make, "ShaderNodeVertexColor", "Color"))
     make.object("Quad", mesh)
-    np.testing.assert_array_equal(_values(export()[0].meshes[0], "color:"), [(0, 1, 0, 1)] * 4)
+    result = export()[0].meshes[0]
+    assert result.active_color == "Second"
+    assert [item.name for item in result.attributes] == ["Second"]
+    np.testing.assert_array_equal(_values(result, "Second"), [(0, 1, 0, 1)] * 4)
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,7 @@ def scene(bpy: Any) -> Any:
     add_lamp(result, "AREA", (0.6, -0.4, 3.0), (0.2, 0.3, 0.1), {"energy": 80.0, "size": 1.5})
     set_world(result, (0.3, 0.4, 0.6))
     layer = result.view_layers[0]
+    layer.pass_alpha_threshold = 0.6  # the veil leaves normals and UV to what is behind
     for flag in FLAGS:
         setattr(layer, f"use_pass_{flag}", True)
     return result

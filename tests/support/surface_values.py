@@ -59,6 +59,8 @@ def coordinate_cases() -> list[Case]:
     by_uv = node("Tangent", direction_type="UV_MAP", uv_map="UVMap")
     cases.append(("Tangent of UV", [by_uv], "Tangent"))
     cases.append(("VertexColor", [node("VertexColor", layer_name="Col")], "Color"))
+    cases.append(("VertexColor without a name", [node("VertexColor")], "Color"))
+    cases.append(("VertexColor without a name, alpha", [node("VertexColor")], "Alpha"))
     cases.append(("Attribute", [node("Attribute", attribute_name="Col")], "Fac"))
     cases.append(("Noise without a vector", [node("TexNoise")], "Color"))
     return sorted(cases)
@@ -196,10 +198,12 @@ def _sphere(bpy: Any) -> Any:
     sphere = bpy.context.object
     mesh = sphere.data
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh.color_attributes.new("Not this one", "FLOAT_COLOR", "POINT")
     # Smooth in space, as what jumps between faces would test the rasters and not the attribute.
     mesh.color_attributes.new("Col", "FLOAT_COLOR", "POINT").data.foreach_set(
-        "color", [c for v in mesh.vertices for c in (*(v.co * 0.5), 1.0)]
+        "color", [c for v in mesh.vertices for c in (*(v.co * 0.5), 0.5 + v.co[0])]
     )
+    mesh.color_attributes.render_color_index = 1
     bpy.data.objects.remove(sphere)
     return mesh
 

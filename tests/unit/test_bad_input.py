@@ -122,7 +122,8 @@ def test_a_lamp_s_numbers_must_be_finite(field: str, value: float) -> None:
     ("field", "value"),
     [("width", 0), ("width", -5), ("height", 1 << 20), ("width", 8.5), ("width", np.nan),
      ("crop", (0, 0, 8)), ("crop", (0, 0, 9, 8)), ("crop", (0.0, 0.0, 8.0, 8.0)),
-     ("crop", (0, 0, np.nan, 8)), ("filter_width", np.nan), ("exposure", np.inf)],
+     ("crop", (0, 0, np.nan, 8)), ("filter_width", np.nan), ("exposure", np.inf),
+     ("pass_alpha_threshold", np.nan)],
 )  # fmt: skip
 def test_a_film_s_numbers_must_make_sense(field: str, value: Any) -> None:
     builder = plain()

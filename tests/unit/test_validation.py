@@ -159,6 +159,7 @@ BROKEN: list[tuple[Callable[[SceneDescription], None], str]] = [
     (_set("film.crop", (5, 0, 5, 360)), "is empty"),
     (_set("film.exposure", -1.0), "exposure must be at least 0"),
     (_set("film.filter", "MITCHELL"), "filter must be one of"),
+    (_set("film.pass_alpha_threshold", 1.5), r"pass_alpha_threshold must lie in \[0, 1\], not 1.5"),
 ]
 
 

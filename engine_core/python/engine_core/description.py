@@ -67,6 +67,7 @@ class Mesh:
     texture_space_min: tuple[float, float, float] = (-1.0, -1.0, -1.0)
     texture_space_max: tuple[float, float, float] = (1.0, 1.0, 1.0)
     active_uv: str = ""  # the UV map that nodes which name none use
+    active_color: str = ""  # the colour attribute that nodes which name none use
 
 
 @dataclass
@@ -210,6 +211,9 @@ class Film:
     filter_width: float = 1.5
     exposure: float = 1.0
     transparent: bool = False
+    # Least opacity [0, 1] of the surfaces whose normal and UV the passes show; less opaque ones
+    # leave them to what is behind.
+    pass_alpha_threshold: float = 0.5
 
 
 @dataclass

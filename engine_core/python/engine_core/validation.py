@@ -361,3 +361,6 @@ def _check_film(film: Film) -> None:
     _check_item(name, "filter", film.filter, _FILTERS)
     _check_at_least(name, "filter_width", film.filter_width, 0.0)
     _check_at_least(name, "exposure", film.exposure, 0.0)
+    _check_numbers(name, "pass_alpha_threshold", (film.pass_alpha_threshold,), 1)
+    if not 0.0 <= film.pass_alpha_threshold <= 1.0:
+        _fail(name, f"pass_alpha_threshold must lie in [0, 1], not {film.pass_alpha_threshold:g}")

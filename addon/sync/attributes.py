@@ -72,9 +72,7 @@ def read(
     return _read_generic(mesh, name, result.name, report)
 
 
-def _read_generic(
-    mesh: bpy.types.Mesh, name: str, owner: str, report: Report
-) -> Attribute | None:
+def _read_generic(mesh: bpy.types.Mesh, name: str, owner: str, report: Report) -> Attribute | None:
     attribute = mesh.attributes.get(name) if name else None
     if attribute is None:
         return None

@@ -9,7 +9,8 @@
 namespace vernier {
 
 inline bool sun_contains(const Lamp& lamp, Vec3f wi) {
-  // |a - b|^2 = 2 (1 - cos) for unit vectors.
+  // |a - b|^2 = 2 (1 - cos) for unit vectors: as exact as the directions themselves, so that the
+  // rim lies where sampling has it, to their rounding.
   return !lamp.delta && 0.5f * length_squared(wi + lamp.axis) <= lamp.one_minus_cos_sun;
 }
 

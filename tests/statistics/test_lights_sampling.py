@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -10,6 +11,7 @@ from engine_core.description import Graph, Image, Link, Node, World
 from light_probes import (
     assert_samples_follow_density,
     compiled,
+    frame,
     met,
     receiver,
     sample,
@@ -139,6 +141,29 @@ def test_directions_follow_the_density(name: str, rng: np.random.Generator) -> N
     assert from_record[:, 0] == pytest.approx(s.pdf[s.valid], rel=2e-3)
     assert not s.delta.any()
     assert s.hittable[s.valid].all()
+
+
+@pytest.mark.parametrize("angle", [2e-5, 1e-3, 0.0092, 0.5, 3.1])
+@pytest.mark.parametrize("toward", [(0, 0, -3), (1, 2, -3)])
+def test_a_sun_is_met_where_it_is_sampled(
+    angle: float, toward: Vector, rng: np.random.Generator
+) -> None:
+    """Directions have 24 bits: no more of the disk's rim may be in doubt than they leave."""
+    transform, count = look_at((0, 0, 0), toward), 1 << 18
+    scene = compiled(scene_with("SUN", sun_angle=angle, transform=transform))
+    axis = unit(np.asarray(transform, np.float64)[:, 2])
+    at = receiver((0, 0, 0), axis)
+    # A shift of d of the rim is a share 2 d of the disk over its half angle.
+    doubt = 2 * 4 * 2.0**-24 / (angle / 2)
+    outside = met(scene, at, sample(scene, at, rng, count).wi)[0] == 0
+    assert outside.sum() <= doubt * count
+    # Directions spread evenly over a cone somewhat larger, in float64.
+    height = 2 * math.sin(angle / 4) ** 2
+    h, phi = 1.1 * height * rng.random(count), 2 * np.pi * rng.random(count)
+    r = np.sqrt(h * (2 - h))
+    d = np.stack([r * np.cos(phi), r * np.sin(phi), 1 - h], axis=-1) @ frame(axis)
+    wrong = (met(scene, at, d)[0] == 1) != (h <= height)
+    assert wrong.sum() <= doubt * count
 
 
 @pytest.mark.parametrize("transmits", [False, True])

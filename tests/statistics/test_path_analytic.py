@@ -67,13 +67,13 @@ def test_spot_light_is_dark_outside_its_cone() -> None:
     assert picture(floor_below_light(spot), samples=1).max() == 0.0
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.05, 0.5])
+@pytest.mark.parametrize("angle", [0.0, 0.009, 0.05, 0.5])
 def test_sun(angle: float) -> None:
     """Irradiance W/m^2 on a surface that faces the sun, whatever its size."""
     sun = Light("sun", "SUN", placed(), emission=(3.0,) * 3, sun_angle=angle)
     shots = pictures(floor_below_light(sun), SEEDS, samples=64)
-    # The rim of the disk is decided in float32: a sliver of some 1e-4 of it is met twice.
-    assert_mean_is(shots, radiance_of_floor(3.0), 2e-4)
+    # Few pixels' paths find the disk by chance, and then differ much: pixels are averaged.
+    assert_mean_is(shots.mean(axis=(1, 2)), radiance_of_floor(3.0))
 
 
 @pytest.mark.parametrize(("shape", "size"), [("RECTANGLE", (1.0, 2.0)), ("ELLIPSE", (1.5, 1.5))])

@@ -140,3 +140,27 @@ def test_random_stars_are_covered_once(rng: np.random.Generator) -> None:
         pieces = area_vectors(polygon, cut(polygon)) @ (total / area)
         assert pieces.min() > -1e-5 * area
         assert abs(pieces.sum() - area) < 1e-5 * area
+
+
+def test_an_outline_of_twenty_thousand_corners_is_covered_once(rng: np.random.Generator) -> None:
+    angles = np.linspace(0, 2 * np.pi, 20_000, endpoint=False)
+    radii = rng.uniform(0.3, 1.0, len(angles))
+    polygon = placed(list(zip(radii * np.cos(angles), radii * np.sin(angles), strict=True)),
+                     3, False)  # fmt: skip
+    total = polygon_area_vector(polygon)
+    area = np.linalg.norm(total)
+    pieces = area_vectors(polygon, cut(polygon)) @ (total / area)
+    assert len(pieces) == len(polygon) - 2
+    assert pieces.min() > -1e-7 * area
+    assert abs(pieces.sum() - area) < 1e-5 * area
+
+
+def test_a_tangle_of_twenty_thousand_corners_ends(rng: np.random.Generator) -> None:
+    """One without an ear to find would take 10^12 steps: the rest of it becomes a fan."""
+    polygon = placed(list(map(tuple, rng.random((20_000, 2)))), 3, False)
+    triangles = cut(polygon)
+    assert triangles.shape == (len(polygon) - 2, 3)
+    assert set(triangles.ravel().tolist()) == set(range(len(polygon)))
+    assert (triangles[:, 0] == triangles[-1, 0]).sum() > 1000  # the fan
+    total = area_vectors(polygon, triangles).sum(axis=0)
+    assert np.allclose(total, polygon_area_vector(polygon), atol=1e-3)

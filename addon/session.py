@@ -131,6 +131,7 @@ class FinalRender:
     def _render(self, session: Any, picture: _Picture) -> Any:
         engine = self._engine
         session.start()
+        show_progress(engine, session, with_error=False)
         cancelled = False
         next_stats = 0.0
         while not session.wait(POLL_SECONDS):

@@ -106,6 +106,18 @@ prepare_environment() {
   python=$environment/bin/python
 }
 
+# Answers --help, in $2 and after, of the command of module $1, and ends. It needs no environment:
+# only the list of settings does, and comes with one.
+answer_help() {
+  local argument
+  for argument in "${@:2}"; do
+    [[ $argument == -h || $argument == --help ]] || continue
+    choose_python
+    PYTHONPATH=$root/scripts PYTHONDONTWRITEBYTECODE=1 exec "$base_python" \
+      -m vernier_tools.command_lines "$1" --help
+  done
+}
+
 # Runs module $1 of `vernier_tools` with the other arguments. A crash of the whole process
 # (Blender can abort on a file) still ends in one clear line.
 run_tool() {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from collections.abc import Callable, Iterable
 from typing import NoReturn
 
 
@@ -39,6 +40,23 @@ def frame_range(text: str) -> range:
     if not found or int(found[1]) > int(found[2]):
         raise argparse.ArgumentTypeError(f"{text!r} is not FIRST-LAST")
     return range(int(found[1]), int(found[2]) + 1)
+
+
+def positive_numbers(text: str) -> list[float]:
+    """Positive numbers separated by commas."""
+    return [positive_float(part) for part in text.split(",")]
+
+
+def names_of(known: Iterable[str]) -> Callable[[str], tuple[str, ...]]:
+    """The type of a list of some of the known names, separated by commas."""
+
+    def names(text: str) -> tuple[str, ...]:
+        chosen = tuple(text.split(","))
+        if not set(chosen) <= set(known):
+            raise argparse.ArgumentTypeError(f"{text!r}: choose from {', '.join(known)}")
+        return chosen
+
+    return names
 
 
 class Parser(argparse.ArgumentParser):

@@ -1,4 +1,4 @@
-"""Measures Vernier beside Cycles: speed, error at equal time, preparation, memory.
+"""Measures Vernier beside Cycles: speed, error at equal time, rays, preparation, memory.
 
 Each render has a process of its own, and the engines take turns, so that what else the machine does
 falls on both alike.
@@ -19,17 +19,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from vernier_tools import benchmark_tables, images, jobs, metrics, references
-from vernier_tools.arguments import Parser, positive_float, positive_int, resolution
+from vernier_tools import benchmark_tables, command_lines, images, jobs, metrics, references
 from vernier_tools.errors import ToolError, report
 
 COMMAND = "scripts/benchmark"
-ROOT = Path(__file__).parents[2]
-PARTS = ("scenes", "sizes")
-
 MEDIANS = (
-    "samples_per_second",
-    "rays_per_second",
+    "samples_per_cpu_second",
     "first_sample",
     "first_tile",
     "memory",
@@ -37,44 +32,6 @@ MEDIANS = (
 )
 
 Figures = dict[str, Any]
-
-
-def parse(arguments: list[str]) -> argparse.Namespace:
-    parser = Parser(prog=COMMAND, description=__doc__)
-    parser.add_argument(
-        "scenes", nargs="*", type=Path, metavar="SCENE.blend", help="default: all of blend_scenes"
-    )
-    parser.add_argument("--time", type=positive_float, default=8.0, help="seconds a render (8)")
-    parser.add_argument("--repeats", type=positive_int, default=3, help="renders an engine (3)")
-    parser.add_argument(
-        "--reference-time", type=positive_float, default=120.0, help="seconds a reference (120)"
-    )
-    parser.add_argument(
-        "--references",
-        default="vernier,cycles",
-        help="the engines whose long renders make the reference (%(default)s)",
-    )
-    parser.add_argument("--engines", default="vernier,cycles", help="default: %(default)s")
-    parser.add_argument("--parts", default=",".join(PARTS), help="default: %(default)s")
-    parser.add_argument(
-        "--triangles", default="1,4,16", help="sizes of the generated scenes, in millions"
-    )
-    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
-    parser.add_argument("--resolution", type=resolution, default=(0, 0), metavar="WxH")
-    parser.add_argument("--cache", type=Path, default=references.default_cache())
-    parser.add_argument("-o", "--output", type=Path, default=Path("out", "benchmark"))
-    options = parser.parse_args(arguments)
-    for name, known in (("engines", jobs.ENGINES), ("references", jobs.ENGINES), ("parts", PARTS)):
-        chosen = tuple(getattr(options, name).split(","))
-        if not set(chosen) <= set(known):
-            parser.error(f"--{name}: choose from {', '.join(known)}")
-        setattr(options, name, chosen)
-    try:
-        options.triangles = [float(text) * 1e6 for text in options.triangles.split(",")]
-    except ValueError:
-        parser.error("--triangles takes numbers separated by commas")
-    options.scenes = options.scenes or sorted((ROOT / "blend_scenes").glob("*.blend"))
-    return options
 
 
 def say(text: str) -> None:
@@ -108,7 +65,7 @@ def measure_scene(options: argparse.Namespace, scene: Path) -> Figures:
                 outcome = jobs.run(job)
                 picture = images.read_combined(Path(f"{job.output}-{repeat + 1}.exr"))
                 error = reference.error_of(picture)
-                runs[engine].append(run_figures(outcome, error, options.time))
+                runs[engine].append(run_figures(outcome, error, cpu_budget(options)))
     assert outcome is not None
     figures: Figures = {
         "scene": scene.stem,
@@ -126,15 +83,19 @@ def measure_scene(options: argparse.Namespace, scene: Path) -> Figures:
     return figures
 
 
-def run_figures(outcome: jobs.Outcome, error: float, time: float) -> Figures:
+def cpu_budget(options: argparse.Namespace) -> float:
+    """The processor time that a render may use, in seconds."""
+    return float(options.time * (options.threads or os.cpu_count() or 1))
+
+
+def run_figures(outcome: jobs.Outcome, error: float, budget: float) -> Figures:
     render = outcome.renders[0]
     return {
         **asdict(render),
-        "samples_per_second": render.samples_per_second(outcome.width * outcome.height),
-        "rays_per_second": render.rays / render.sampling,
-        # No engine ends a render at exactly the time asked for. Error falls as one over time, so
-        # this is what it would be there.
-        "error": error * render.seconds / time,
+        "samples_per_cpu_second": render.samples_per_cpu_second(outcome.width * outcome.height),
+        # No engine ends a render at exactly the time asked for, nor has it the machine for itself.
+        # Error falls as one over the time spent, so this is what it would be at that asked for.
+        "error": error * render.cpu / budget,
         "warnings": list(outcome.warnings),
     }
 
@@ -147,6 +108,14 @@ def summarize(runs: list[Figures]) -> Figures:
     """
     figures: Figures = {name: statistics.median(run[name] for run in runs) for name in MEDIANS}
     return {**figures, "error": statistics.fmean(run["error"] for run in runs), "runs": runs}
+
+
+def measure_rays(options: argparse.Namespace, scene: Path) -> Figures:
+    """Vernier's rate of rays beside Embree's. Raises ToolError."""
+    say(f"{scene.stem}: rays")
+    job = replace(scene_job(options, scene), engine="vernier", time=0.0, samples=1)
+    rate = jobs.run_ray_rate(job)
+    return {"scene": scene.stem, **asdict(rate)}
 
 
 def measure_size(options: argparse.Namespace, triangles: float, instanced: bool) -> Figures:
@@ -169,7 +138,7 @@ def measure_size(options: argparse.Namespace, triangles: float, instanced: bool)
             )
             outcome = jobs.run(job)
             count = outcome.triangles
-            runs[engine].append(run_figures(outcome, 0.0, 1.0))
+            runs[engine].append(run_figures(outcome, 0.0, cpu_budget(options)))
     return {
         "triangles": count,
         "instanced": instanced,
@@ -196,22 +165,21 @@ def benchmark(options: argparse.Namespace) -> Figures:
         "repeats": options.repeats,
         "reference_seconds": options.reference_time,
         "scenes": [],
+        "rays": [],
         "sizes": [],
         "failures": [],
     }
     failures = results["failures"]
-    if "scenes" in options.parts:
-        for scene in options.scenes:
-            results["scenes"] += attempt(
-                scene.stem, partial(measure_scene, options, scene), failures
-            )
+    for part, measure in (("scenes", measure_scene), ("rays", measure_rays)):
+        for scene in options.scenes if part in options.parts else ():
+            results[part] += attempt(scene.stem, partial(measure, options, scene), failures)
             write(results, options.output)
     if "sizes" in options.parts:
         for triangles in options.triangles:
             for instanced in (False, True):
                 results["sizes"] += attempt(
-                    f"{triangles:g} triangles",
-                    partial(measure_size, options, triangles, instanced),
+                    f"{triangles:g} million triangles",
+                    partial(measure_size, options, triangles * 1e6, instanced),
                     failures,
                 )
                 write(results, options.output)
@@ -231,7 +199,7 @@ def write(results: Figures, folder: Path) -> None:
 
 
 def main() -> int:
-    options = parse(sys.argv[1:])
+    options = command_lines.benchmark(sys.argv[1:])
     try:
         for scene in options.scenes:
             if not scene.is_file():

@@ -18,6 +18,8 @@ def markdown(results: Figures) -> str:
     ]
     if results["scenes"]:
         parts += ["## Scenes\n", scenes_note(results), scene_table(results["scenes"])]
+    if results["rays"]:
+        parts += ["## Rays\n", RAYS_NOTE, ray_table(results["rays"])]
     if results["sizes"]:
         parts += ["## Sizes\n", size_table(results["sizes"])]
     if results["failures"]:
@@ -25,11 +27,19 @@ def markdown(results: Figures) -> str:
     return "\n".join(parts)
 
 
+RAYS_NOTE = (
+    "Million rays per second of processor time on one thread: of a render, and of Embree casting "
+    "the same rays in the same order with nothing in between.\n"
+)
+
+
 def scenes_note(results: Figures) -> str:
     return (
-        f"Renders of {results['seconds']:g} s; the relative squared error is the mean of "
-        "(I - R)^2 / (R^2 + 0.01 mean(R)^2), the reference's own noise subtracted. The mean ratio "
-        f"is of the references, {results['reference_seconds']:g} s by each engine.\n"
+        f"Renders of {results['seconds']:g} s. Samples are million pixel samples per second of "
+        "processor time since sampling began. The relative squared error is the mean of "
+        "(I - R)^2 / (R^2 + 0.01 mean(R)^2), the reference's own noise subtracted, brought to "
+        "equal processor time, preparation included. The mean ratio is of the references, "
+        f"{results['reference_seconds']:g} s by each engine.\n"
     )
 
 
@@ -60,7 +70,7 @@ def cells(entry: Figures, key: str, show: Callable[[float], str]) -> list[str]:
 def scene_table(entries: Sequence[Figures]) -> str:
     engines = list(entries[0]["engines"])
     head = ["scene", "triangles", "pixels"]
-    head += column_heads(engines, "Msamples/s")
+    head += column_heads(engines, "Msamples/s CPU")
     head += column_heads(engines, "error")
     head += column_heads(engines, "first tile, s")
     head += column_heads(engines, "memory, MiB")
@@ -68,7 +78,7 @@ def scene_table(entries: Sequence[Figures]) -> str:
     rows = []
     for entry in entries:
         row = [entry["scene"], f"{entry['triangles']:,}", f"{entry['width']}x{entry['height']}"]
-        row += cells(entry, "samples_per_second", lambda v: f"{v / 1e6:.3f}")
+        row += cells(entry, "samples_per_cpu_second", lambda v: f"{v / 1e6:.3f}")
         row += cells(entry, "error", lambda v: f"{v:.3g}")
         row += cells(entry, "first_tile", lambda v: f"{v:.2f}")
         row += cells(entry, "memory", lambda v: f"{v / 2**20:.0f}")
@@ -78,6 +88,15 @@ def scene_table(entries: Sequence[Figures]) -> str:
             row.append("")
         rows.append([*row, f"{entry['reference_noise']:.2g}"])
     return table(head, rows)
+
+
+def ray_table(entries: Sequence[Figures]) -> str:
+    rows = []
+    for entry in entries:
+        rates = [entry["rendered"], entry["bare"]]
+        shown = [f"{rate / 1e6:.2f}" for rate in rates]
+        rows.append([entry["scene"], *shown, f"{rates[0] / rates[1]:.2f}"])
+    return table(["scene", "Vernier Mrays/s", "Embree Mrays/s", "ratio"], rows)
 
 
 def size_table(entries: Sequence[Figures]) -> str:

@@ -11,42 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from vernier_tools import images, jobs, metrics
-from vernier_tools.arguments import Parser, positive_float, positive_int, resolution
+from vernier_tools import command_lines, images, jobs, metrics
 from vernier_tools.comparison_page import write_page
 from vernier_tools.errors import ToolError, report
 from vernier_tools.images import FloatImage
 
 COMMAND = "scripts/compare_cycles"
-
-
-def parse(arguments: list[str]) -> argparse.Namespace:
-    parser = Parser(
-        prog=COMMAND,
-        description="Renders SCENE with Vernier and with Cycles under equal settings (Cycles' "
-        "biases off) and writes a page with both pictures, their difference and the figures. Each "
-        "engine renders two independent halves, so that the page can tell noise from disagreement.",
-    )
-    parser.add_argument("scene", type=Path, metavar="SCENE.blend")
-    limit = parser.add_mutually_exclusive_group()
-    limit.add_argument("--samples", type=positive_int, help="samples per pixel (default 256)")
-    limit.add_argument("--time", type=positive_float, help="seconds of rendering for each engine")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
-    parser.add_argument("--resolution", type=resolution, default=(0, 0), metavar="WxH")
-    parser.add_argument(
-        "--engines",
-        default="vernier,cycles",
-        help="the two to compare (default %(default)s); cycles,cycles shows what noise alone does",
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="default: out/compare/SCENE"
-    )
-    options = parser.parse_args(arguments)
-    options.engines = tuple(options.engines.split(","))
-    if len(options.engines) != 2 or not set(options.engines) <= set(jobs.ENGINES):
-        parser.error("--engines takes two of " + ", ".join(jobs.ENGINES))
-    return options
 
 
 @dataclass(frozen=True)
@@ -164,7 +134,7 @@ def compare(options: argparse.Namespace) -> Path:
 
 def main() -> int:
     try:
-        page = compare(parse(sys.argv[1:]))
+        page = compare(command_lines.compare(sys.argv[1:]))
     except ToolError as error:
         report(COMMAND, error)
         return 1

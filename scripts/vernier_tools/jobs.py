@@ -12,6 +12,7 @@ import sys
 import tempfile
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 from vernier_tools.errors import ToolError
 
@@ -56,13 +57,14 @@ class Render:
 
     `first_sample` is when sampling began (export and building done), `first_tile` when the first
     pixels were there; `sampling` and `samples` say how long sampling lasted and what it achieved.
-    `cpu` is the processor time of all threads. `memory` is by how much the process grew at its
-    peak. `rays` is 0 where the engine does not count them.
+    `cpu` is the processor time of all threads, `sampling_cpu` that since sampling began. `memory`
+    is by how much the process grew at its peak. `rays` is 0 where the engine does not count them.
     """
 
     seed: int
     seconds: float
     cpu: float
+    sampling_cpu: float
     first_sample: float
     first_tile: float
     sampling: float
@@ -71,8 +73,9 @@ class Render:
     peak_memory: int
     rays: int
 
-    def samples_per_second(self, pixels: int) -> float:
-        return self.samples * pixels / self.sampling
+    def samples_per_cpu_second(self, pixels: int) -> float:
+        """What else the machine does hardly touches it."""
+        return self.samples * pixels / self.sampling_cpu
 
 
 @dataclass(frozen=True)
@@ -88,12 +91,34 @@ class Outcome:
     warnings: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class RayRate:
+    """Rays per second of processor time on one thread: of a render, and of Embree alone.
+
+    Both cast the same `rays`, in the same order.
+    """
+
+    rays: int
+    rendered: float
+    bare: float
+
+
 def run(job: Job, timeout: float | None = None) -> Outcome:
     """Runs the job in a process of its own. Raises ToolError when it fails or takes too long."""
+    return outcome_from_json(answer_of("worker", job, timeout))
+
+
+def run_ray_rate(job: Job, timeout: float | None = None) -> RayRate:
+    """Measures Vernier's rate of rays on the job's scene. Raises ToolError."""
+    return RayRate(**answer_of("ray_rate", job, timeout))
+
+
+def answer_of(module: str, job: Job, timeout: float | None) -> dict[str, Any]:
+    """The JSON that the module writes of the job. Raises ToolError."""
     with tempfile.TemporaryDirectory() as folder:
         request, answer = Path(folder, "job.json"), Path(folder, "outcome.json")
         request.write_text(json.dumps(asdict(job)))
-        command = [sys.executable, "-m", "vernier_tools.worker", str(request), str(answer)]
+        command = [sys.executable, "-m", f"vernier_tools.{module}", str(request), str(answer)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
         except subprocess.TimeoutExpired as error:
@@ -102,30 +127,24 @@ def run(job: Job, timeout: float | None = None) -> Outcome:
             lines = [line for line in done.stderr.splitlines() if line.strip()]
             reason = lines[-1] if lines else f"the process ended with code {done.returncode}"
             raise ToolError(f"{ENGINES[job.engine]} on {job.blend or job.generated}: {reason}")
-        return outcome_from_json(json.loads(answer.read_text()))
+        result: dict[str, Any] = json.loads(answer.read_text())
+        return result
 
 
-def job_from_json(data: dict[str, object]) -> Job:
+def job_from_json(data: dict[str, Any]) -> Job:
     """The inverse of `json.dumps(asdict(job))`."""
-    fields: dict[str, object] = dict(data)
-    generated = fields.get("generated")
-    if isinstance(generated, dict):
-        fields["generated"] = GeneratedScene(**generated)
-    for name in ("seeds", "resolution"):
-        value = fields[name]
-        assert isinstance(value, list)
-        fields[name] = tuple(value)
-    return Job(**fields)  # type: ignore[arg-type]
-
-
-def outcome_from_json(data: dict[str, object]) -> Outcome:
-    """The inverse of `json.dumps(asdict(outcome))`."""
-    renders, warnings = data["renders"], data["warnings"]
-    assert isinstance(renders, list)
-    assert isinstance(warnings, list)
-    rest = {key: value for key, value in data.items() if key not in ("renders", "warnings")}
-    return Outcome(
-        renders=tuple(Render(**render) for render in renders),
-        warnings=tuple(warnings),
-        **rest,  # type: ignore[arg-type]
+    generated = data["generated"]
+    return Job(
+        **{
+            **data,
+            "seeds": tuple(data["seeds"]),
+            "resolution": tuple(data["resolution"]),
+            "generated": GeneratedScene(**generated) if generated else None,
+        }
     )
+
+
+def outcome_from_json(data: dict[str, Any]) -> Outcome:
+    """The inverse of `json.dumps(asdict(outcome))`."""
+    renders = tuple(Render(**render) for render in data["renders"])
+    return Outcome(**{**data, "renders": renders, "warnings": tuple(data["warnings"])})

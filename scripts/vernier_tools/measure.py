@@ -34,6 +34,7 @@ class RenderWatch:
         self.listeners: list[Callable[[RenderRecord], None]] = []
         self.start = time.perf_counter()
         self.first_sample = 0.0
+        self.first_sample_cpu = 0.0
         self.first_tile = 0.0
         self.last_tile = 0.0
         self.samples = 0.0
@@ -62,6 +63,7 @@ class RenderWatch:
         samples = int(found[1])
         if not self.first_sample:
             self.first_sample = now
+            self.first_sample_cpu = processor_seconds()
         # Cycles counts from 0 again at its end.
         if samples > self.samples:
             self.first_tile = self.first_tile or now
@@ -110,13 +112,14 @@ def render_measured(seed: int) -> tuple[Render, list[RenderRecord]]:
     Raises ToolError when the engine fails.
     """
     memory = reset_peak_memory()
-    cpu = processor_seconds()
+    start = processor_seconds()
     with RenderWatch() as watch:
         try:
             done = bpy.ops.render.render()
         except RuntimeError as error:
             raise ToolError(f"the render failed: {str(error).strip()}") from error
         seconds = time.perf_counter() - watch.start
+    end = processor_seconds()
     if done != {"FINISHED"}:
         raise ToolError("the render was cancelled")
     watch.use_records()
@@ -126,7 +129,8 @@ def render_measured(seed: int) -> tuple[Render, list[RenderRecord]]:
     render = Render(
         seed=seed,
         seconds=seconds,
-        cpu=processor_seconds() - cpu,
+        cpu=end - start,
+        sampling_cpu=end - watch.first_sample_cpu,
         first_sample=watch.first_sample,
         first_tile=watch.first_tile,
         sampling=watch.last_tile - watch.first_sample,

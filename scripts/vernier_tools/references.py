@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -16,11 +15,6 @@ from vernier_tools.images import FloatImage
 
 # Far from the seeds that are measured: a reference must be independent of these.
 SEEDS = (1_000_001, 1_000_002)
-
-
-def default_cache() -> Path:
-    """Where references are kept: `vernier/references` in the user's cache folder."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "vernier/references"
 
 
 @dataclass(frozen=True)

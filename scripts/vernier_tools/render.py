@@ -10,8 +10,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vernier_tools import settings
-from vernier_tools.arguments import Parser, frame_range, positive_int, resolution
+from vernier_tools import command_lines, settings
 from vernier_tools.errors import ToolError
 from vernier_tools.progress import ProgressLine
 
@@ -22,60 +21,6 @@ if TYPE_CHECKING:
     from vernier_tools.capture import Capture
 
 COMMAND = "scripts/render"
-
-
-def parse(arguments: list[str]) -> argparse.Namespace:
-    parser = Parser(
-        prog=COMMAND,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        description="Renders SCENE.blend with Vernier. What is not said is as the file has it.",
-        epilog=settings.describe(),
-    )
-    parser.add_argument("scene", type=Path, metavar="SCENE.blend")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="OUT",
-        help=".exr: linear, 32-bit float, with the passes; .png, .tif, .jpg: as Blender shows the "
-        "picture. With --frames, #### in the name stands for the frame's number",
-    )
-    parser.add_argument(
-        "--integrator",
-        type=settings.Setting("integrator"),
-        metavar="NAME",
-        help="the method that renders: " + ", ".join(settings.integrators()),
-    )
-    parser.add_argument(
-        "--samples", type=settings.Setting("samples"), metavar="N", help="samples per pixel"
-    )
-    parser.add_argument(
-        "--time",
-        type=settings.Setting("time_limit"),
-        metavar="SECONDS",
-        help="time limit; without --samples, the time alone ends the render",
-    )
-    parser.add_argument(
-        "--seed", type=settings.Setting("seed"), metavar="N", help="of the random numbers"
-    )
-    parser.add_argument(
-        "--threads", type=positive_int, metavar="N", help="default: as the file says"
-    )
-    parser.add_argument("--resolution", type=resolution, metavar="WxH", help="in pixels")
-    frames = parser.add_mutually_exclusive_group()
-    frames.add_argument("--frame", type=int, metavar="N", help="default: the file's current frame")
-    frames.add_argument("--frames", type=frame_range, metavar="A-B", help="both included")
-    parser.add_argument(
-        "--set",
-        dest="assignments",
-        action="append",
-        default=[],
-        type=settings.assignment,
-        metavar="KEY=VALUE",
-        help="any setting of the engine (listed below); may be repeated",
-    )
-    return parser.parse_args(arguments)
 
 
 def configure(scene: bpy.types.Scene, options: argparse.Namespace) -> None:
@@ -160,7 +105,7 @@ def render(options: argparse.Namespace, capture: Capture) -> None:
 
 
 def main() -> None:
-    options = parse(sys.argv[1:])
+    options = command_lines.render(sys.argv[1:])
     from vernier_tools.capture import Capture
 
     capture = Capture()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-from engine_core.tables import Parameter
-
-import engine_core
+if TYPE_CHECKING:
+    from engine_core.tables import Parameter
 
 Value = bool | int | float | str
 
@@ -17,13 +17,10 @@ TRUTHS |= {"0": False, "false": False, "off": False, "no": False}
 
 
 def table() -> dict[str, Parameter]:
-    """All settings by name."""
-    return {parameter.name: parameter for parameter in engine_core.parameters()}
+    """All settings by name. Raises ImportError before the core is installed."""
+    from engine_core import parameters
 
-
-def integrators() -> list[str]:
-    """The names of the methods as the command line has them, in lower case."""
-    return [identifier.lower() for identifier, _, _ in table()["integrator"].items]
+    return {parameter.name: parameter for parameter in parameters()}
 
 
 def most(name: str) -> int:
@@ -87,7 +84,11 @@ def apply(settings: object, values: Mapping[str, object]) -> None:
 def describe() -> str:
     """A list of all settings for the help text."""
     lines = ["settings (for --set):"]
-    for parameter in table().values():
+    try:
+        parameters = table().values()
+    except ImportError:
+        return "The settings for --set are listed here once a first call has built the core."
+    for parameter in parameters:
         if parameter.type == "enum":
             what = ", ".join(identifier.lower() for identifier, _, _ in parameter.items)
         else:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -16,17 +17,24 @@ import bpy
 from vernier_tools import engines, generated_scenes, outputs
 from vernier_tools.blend_file import open_blend, require_camera
 from vernier_tools.capture import Capture
-from vernier_tools.errors import ToolError, report
-from vernier_tools.jobs import Job, Outcome, job_from_json
+from vernier_tools.errors import ToolError
+from vernier_tools.jobs import Job, Outcome, RayRate, job_from_json
 from vernier_tools.measure import render_measured
 
 
-def work(job: Job, capture: Capture) -> Outcome:
+def scene_of(job: Job) -> bpy.types.Scene:
+    """Opens or makes the job's scene. Raises ToolError."""
     # Vernier needs Cycles' properties too: what the file says of the film is in them.
     engines.enable_cycles()
     made = job.generated
     scene = generated_scenes.make(made) if made else open_blend(Path(job.blend))
     require_camera(scene)
+    return scene
+
+
+def work(job: Job, capture: Capture) -> Outcome:
+    """Renders the job with its engine. Raises ToolError."""
+    scene = scene_of(job)
     renders = []
     warnings: dict[str, None] = {}
     for seed in job.seeds:
@@ -60,7 +68,11 @@ def count_triangles() -> int:
     return count
 
 
-def main() -> None:
+def answer(work: Callable[[Job, Capture], Outcome | RayRate]) -> None:
+    """Does the job of the first file named on the command line, writes the second, and ends.
+
+    The last line of an unsuccessful process's standard error is the reason.
+    """
     capture = Capture()
     code = 0
     try:
@@ -68,7 +80,6 @@ def main() -> None:
         Path(sys.argv[2]).write_text(json.dumps(asdict(work(job, capture))))
     except ToolError as error:
         print(capture.text(), file=capture.terminal_error)
-        report("worker", error)
         print(f"{error}", file=capture.terminal_error)
         code = 1
     except Exception as error:
@@ -81,4 +92,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    answer(work)

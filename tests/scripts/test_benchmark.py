@@ -1,4 +1,4 @@
-"""The benchmark: its measures, its tables, and a short run with Cycles alone."""
+"""The benchmark: its measures, its tables, and a short run."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tool_process import CORNELL_BOX, Tool
+from tool_process import Tool
 from vernier_tools import benchmark_tables, jobs, references
 
 
 def entry(engines: list[str]) -> dict[str, object]:
     figures = {
         name: {
-            "samples_per_second": 2e6 / (index + 1),
+            "samples_per_cpu_second": 2e6 / (index + 1),
             "error": 0.01 * (index + 1),
             "first_sample": 0.5,
             "first_tile": 1.0,
@@ -41,6 +41,7 @@ def results(engines: list[str]) -> dict[str, object]:
         "repeats": 3,
         "reference_seconds": 60,
         "scenes": [entry(engines)],
+        "rays": [{"scene": "box", "rays": 7, "rendered": 3e6, "bare": 4e6}],
         "sizes": [entry(engines)],
         "failures": ["pool: it rained"],
     }
@@ -49,6 +50,7 @@ def results(engines: list[str]) -> dict[str, object]:
 def test_tables_show_ratios_of_vernier_over_cycles() -> None:
     text = benchmark_tables.markdown(results(["vernier", "cycles"]))
     assert "| box | 1,234 | 8x6 | 2.000 | 1.000 | 2.00 | 0.01 | 0.02 | 0.50 |" in text
+    assert "| box | 3.00 | 4.00 | 0.75 |" in text
     assert "pool: it rained" in text
     for block in text.split("\n\n"):
         if block.startswith("|"):
@@ -58,7 +60,7 @@ def test_tables_show_ratios_of_vernier_over_cycles() -> None:
 
 def test_tables_of_one_engine_have_no_ratios() -> None:
     text = benchmark_tables.markdown(results(["cycles"]))
-    assert "ratio" not in text.split("## Scenes")[1].split("|\n")[0].replace("mean ratio", "")
+    assert " ratio |" not in text.split("## Rays")[0].replace("mean ratio |", "")
     assert "| box | 1,234 | 8x6 | 2.000 | 0.01 | 1.00 | 8 |" in text
 
 
@@ -86,22 +88,27 @@ def test_the_noise_of_a_reference_is_known_and_taken_off(
 
 def test_a_short_run_writes_its_results_and_keeps_references(tool: Tool, tmp_path: Path) -> None:
     arguments = [
-        CORNELL_BOX, "--engines", "cycles", "--references", "cycles", "--parts", "scenes,sizes",
-        "--time", 0.3, "--reference-time", 1, "--repeats", 1, "--triangles", 0.01,
-        "--resolution", "24x16", "--cache", "cache", "-o", "results",
+        "--scenes", "cornell_box", "--references", "cycles", "--time", 0.3, "--reference-time", 1,
+        "--repeats", 1, "--triangles", 0.01, "--resolution", "24x16", "--cache", "cache",
+        "-o", "results",
     ]  # fmt: skip
     done = tool("benchmark", *arguments)
     assert done.returncode == 0, done.stderr
     figures = json.loads((tmp_path / "results" / "results.json").read_text())
-    cycles = figures["scenes"][0]["engines"]["cycles"]
-    assert cycles["samples_per_second"] > 0
-    assert 0 < cycles["error"] < 100
+    for engine in ("vernier", "cycles"):
+        measured = figures["scenes"][0]["engines"][engine]
+        assert measured["samples_per_cpu_second"] > 0
+        assert 0 < measured["error"] < 100
+        assert 0 < measured["first_sample"] <= measured["first_tile"]
+    rays = figures["rays"][0]
+    assert rays["rays"] > 1e6
+    assert 0 < rays["rendered"] < rays["bare"]
     assert [size["instanced"] for size in figures["sizes"]] == [False, True]
     assert done.stdout == (tmp_path / "results" / "results.md").read_text()
 
     kept = {path: path.stat().st_mtime_ns for path in (tmp_path / "cache").iterdir()}
     assert len(kept) == 2
-    again = tool("benchmark", *arguments[:5], "--parts", "scenes", *arguments[7:])
+    again = tool("benchmark", *arguments, "--parts", "scenes", "--engines", "cycles")
     assert again.returncode == 0, again.stderr
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "cache").iterdir()} == kept
 
@@ -109,9 +116,9 @@ def test_a_short_run_writes_its_results_and_keeps_references(tool: Tool, tmp_pat
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nowhere.blend"], "nowhere.blend: no such file"),
-        (["--parts", "all"], "--parts: choose from"),
-        (["--triangles", "many"], "--triangles takes numbers"),
+        (["--scenes", "nowhere"], "nowhere: no such file"),
+        (["--parts", "all"], "--parts: 'all': choose from scenes, rays, sizes"),
+        (["--triangles", "many"], "--triangles: 'many' is not a positive number"),
     ],
 )
 def test_bad_calls_are_one_line(tool: Tool, arguments: list[str], message: str) -> None:

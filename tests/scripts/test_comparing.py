@@ -66,7 +66,7 @@ def test_a_job_that_fails_says_why(change: dict[str, object], message: str) -> N
 def test_jobs_and_outcomes_survive_json() -> None:
     job = dataclasses.replace(SMALL, seeds=(1, 2), generated=jobs.GeneratedScene(5, True))
     assert jobs.job_from_json(json.loads(json.dumps(dataclasses.asdict(job)))) == job
-    render = jobs.Render(1, 2.0, 3.0, 0.1, 0.2, 1.8, 16.0, 5, 6, 7)
+    render = jobs.Render(1, 2.0, 3.0, 2.5, 0.1, 0.2, 1.8, 16.0, 5, 6, 7)
     outcome = jobs.Outcome("cycles", "5", 8, 9, 10, (render,), ("a",))
     assert jobs.outcome_from_json(json.loads(json.dumps(dataclasses.asdict(outcome)))) == outcome
 
@@ -92,7 +92,7 @@ def test_cycles_agrees_with_itself(tool: Tool, tmp_path: Path) -> None:
 
 
 def test_the_page_escapes_what_comes_from_files(tmp_path: Path) -> None:
-    render = jobs.Render(1, 2.0, 3.0, 0.1, 0.2, 1.8, 16.0, 5, 6, 7)
+    render = jobs.Render(1, 2.0, 3.0, 2.5, 0.1, 0.2, 1.8, 16.0, 5, 6, 7)
     outcome = jobs.Outcome("vernier", "5", 8, 9, 10, (render,), ("<script>",))
     figures = {
         "engines": ["Vernier", "Cycles"],

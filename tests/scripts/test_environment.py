@@ -112,6 +112,22 @@ def test_builds_once_and_again_only_when_a_source_changed(project: Path) -> None
     assert builds(project) == done + 1
 
 
+@pytest.mark.parametrize("command", ["render", "compare_cycles", "benchmark"])
+def test_help_is_answered_before_there_is_an_environment(tmp_path: Path, command: str) -> None:
+    make_project(tmp_path)
+    done = subprocess.run(
+        [tmp_path / "scripts" / command, "some.blend", "--help"],
+        cwd=tmp_path,
+        env=variables(),
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(f"usage: scripts/{command} ")
+    assert not list(tmp_path.glob(".venv*"))
+    assert builds(tmp_path) == 0
+
+
 def test_calls_at_the_same_time_build_once(tmp_path: Path) -> None:
     make_project(tmp_path)
     running = [

@@ -1,0 +1,205 @@
+"""What the commands take on their command lines.
+
+`environment.sh` also runs this module with a bare interpreter, to answer `--help` before anything
+is installed: it needs the standard library alone, and of the core only where there is one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from vernier_tools import settings
+from vernier_tools.arguments import (
+    Parser,
+    frame_range,
+    names_of,
+    positive_float,
+    positive_int,
+    positive_numbers,
+    resolution,
+)
+from vernier_tools.jobs import ENGINES
+
+ROOT = Path(__file__).parents[2]
+BENCHMARK_PARTS = ("scenes", "rays", "sizes")
+
+
+def default_cache() -> Path:
+    """Where references are kept: `vernier/references` in the user's cache folder."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "vernier/references"
+
+
+def blend_scene(name: str) -> Path:
+    """A .blend file by its path, or by its name in blend_scenes/."""
+    shipped = ROOT / "blend_scenes" / f"{name}.blend"
+    return shipped if shipped.is_file() else Path(name)
+
+
+def render(arguments: Sequence[str]) -> argparse.Namespace:
+    """Of scripts/render."""
+    parser = Parser(
+        prog="scripts/render",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Renders SCENE.blend with Vernier. What is not said is as the file has it.",
+        epilog=settings.describe(),
+    )
+    parser.add_argument("scene", type=Path, metavar="SCENE.blend")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="OUT",
+        help=".exr: linear, 32-bit float, with the passes; .png, .tif, .jpg: as Blender shows the "
+        "picture. With --frames, #### in the name stands for the frame's number",
+    )
+    parser.add_argument(
+        "--integrator",
+        type=settings.Setting("integrator"),
+        metavar="NAME",
+        help="the method that renders; see the settings below",
+    )
+    parser.add_argument(
+        "--samples", type=settings.Setting("samples"), metavar="N", help="samples per pixel"
+    )
+    parser.add_argument(
+        "--time",
+        type=settings.Setting("time_limit"),
+        metavar="SECONDS",
+        help="time limit; without --samples, the time alone ends the render",
+    )
+    parser.add_argument(
+        "--seed", type=settings.Setting("seed"), metavar="N", help="of the random numbers"
+    )
+    parser.add_argument(
+        "--threads", type=positive_int, metavar="N", help="default: as the file says"
+    )
+    parser.add_argument("--resolution", type=resolution, metavar="WxH", help="in pixels")
+    frames = parser.add_mutually_exclusive_group()
+    frames.add_argument("--frame", type=int, metavar="N", help="default: the file's current frame")
+    frames.add_argument("--frames", type=frame_range, metavar="A-B", help="both included")
+    parser.add_argument(
+        "--set",
+        dest="assignments",
+        action="append",
+        default=[],
+        type=settings.assignment,
+        metavar="KEY=VALUE",
+        help="any setting of the engine (listed below); may be repeated",
+    )
+    return parser.parse_args(arguments)
+
+
+def compare(arguments: Sequence[str]) -> argparse.Namespace:
+    """Of scripts/compare_cycles."""
+    parser = Parser(
+        prog="scripts/compare_cycles",
+        description="Renders SCENE with Vernier and with Cycles under equal settings (Cycles' "
+        "biases off) and writes a page with both pictures, their difference and the figures. Each "
+        "engine renders two independent halves, so that the page can tell noise from disagreement.",
+    )
+    parser.add_argument("scene", type=Path, metavar="SCENE.blend")
+    limit = parser.add_mutually_exclusive_group()
+    limit.add_argument("--samples", type=positive_int, help="samples per pixel (default 256)")
+    limit.add_argument("--time", type=positive_float, help="seconds of rendering for each engine")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
+    parser.add_argument("--resolution", type=resolution, default=(0, 0), metavar="WxH")
+    parser.add_argument(
+        "--engines",
+        type=names_of(ENGINES),
+        default=tuple(ENGINES),
+        metavar="A,B",
+        help="the two to compare (default vernier,cycles); cycles,cycles shows what noise alone "
+        "does",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="default: out/compare/SCENE"
+    )
+    options = parser.parse_args(arguments)
+    if len(options.engines) != 2:
+        parser.error("argument --engines takes two of " + ", ".join(ENGINES))
+    return options
+
+
+def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
+    """Of scripts/benchmark."""
+    parser = Parser(
+        prog="scripts/benchmark",
+        description="Measures Vernier beside Cycles. Part scenes: samples per second of processor "
+        "time, error at equal time, time to the first tile, memory. Part rays: Vernier's rays per "
+        "second beside Embree's own, on the same rays. Part sizes: export, build and memory of "
+        "generated scenes. Each render has a process of its own, and the engines take turns.",
+    )
+    parser.add_argument(
+        "--scenes",
+        type=lambda text: [blend_scene(name) for name in text.split(",")],
+        default=sorted((ROOT / "blend_scenes").glob("*.blend")),
+        metavar="NAME,...",
+        help="names in blend_scenes/, or paths (default: all of blend_scenes/)",
+    )
+    parser.add_argument(
+        "--parts",
+        type=names_of(BENCHMARK_PARTS),
+        default=BENCHMARK_PARTS,
+        metavar="PART,...",
+        help="default: " + ",".join(BENCHMARK_PARTS),
+    )
+    parser.add_argument("--time", type=positive_float, default=8.0, help="seconds a render (8)")
+    parser.add_argument("--repeats", type=positive_int, default=3, help="renders an engine (3)")
+    parser.add_argument(
+        "--reference-time", type=positive_float, default=120.0, help="seconds a reference (120)"
+    )
+    parser.add_argument(
+        "--references",
+        type=names_of(ENGINES),
+        default=tuple(ENGINES),
+        metavar="ENGINE,...",
+        help="whose long renders make the reference (vernier,cycles)",
+    )
+    parser.add_argument(
+        "--engines",
+        type=names_of(ENGINES),
+        default=tuple(ENGINES),
+        metavar="ENGINE,...",
+        help="which to measure (vernier,cycles)",
+    )
+    parser.add_argument(
+        "--triangles",
+        type=positive_numbers,
+        default=[1.0, 4.0, 16.0],
+        metavar="N,...",
+        help="sizes of the generated scenes, in millions (1,4,16)",
+    )
+    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
+    parser.add_argument(
+        "--resolution",
+        type=resolution,
+        default=(0, 0),
+        metavar="WxH",
+        help="of the scenes (default: each file's own)",
+    )
+    parser.add_argument("--cache", type=Path, default=default_cache(), help="for references")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("out", "benchmark"),
+        metavar="DIR",
+        help="default: %(default)s",
+    )
+    return parser.parse_args(arguments)
+
+
+COMMANDS: dict[str, Callable[[Sequence[str]], argparse.Namespace]] = {
+    "render": render,
+    "compare": compare,
+    "benchmark": benchmark,
+}
+
+if __name__ == "__main__":
+    COMMANDS[sys.argv[1]](sys.argv[2:])

@@ -290,8 +290,7 @@ std::optional<BsdfSample> Bsdf::singular_toward(Vec3f wi, uint8_t lobe) const {
     if (lobes_[i].singular) {
       // The ends of [0,1) choose reflection and refraction, where both exist.
       for (const float u : {0.0f, kOneMinusEpsilon}) {
-        consider(
-            sample_singular<false>(i, u, near_[i].select, Transport::kRadiance, kLobeAny));
+        consider(sample_singular<false>(i, u, near_[i].select, Transport::kRadiance, kLobeAny));
       }
     }
   }

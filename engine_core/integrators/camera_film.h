@@ -55,15 +55,12 @@ class CameraFilm {
     // Blender's depth is along the view axis for perspective and orthographic cameras alike.
     s.depth = distance * -dot(point.wo, scene_.camera->axis());
     s.position = scene_.to_world(point.p);
-    if (average(bsdf.transparency) <= 1.0f - kPassAlphaThreshold) {
+    if (average(bsdf.transparency) <= 1.0f - scene_.film.pass_alpha_threshold) {
       s.normal = s.denoising_normal = bsdf.mean_normal();
       s.uv = scene_.uv(point);
       recorded_ = true;
     }
   }
-
-  // Surfaces less opaque than this leave normal, UV and depth to those behind (Blender's default).
-  static constexpr float kPassAlphaThreshold = 0.5f;
 
   const Scene& scene_;
   Sample& sample_;

@@ -16,6 +16,13 @@ struct CameraSample {
   float alpha = 1.0f;
 };
 
+// Limits what one sample adds, where `limit` is not 0: biased.
+inline Color clamp_sample(Color c, double limit) {
+  const auto most = static_cast<float>(limit);
+  const float largest = max_component(c);
+  return most > 0.0f && largest > most ? c * (most / largest) : c;
+}
+
 // Stands for a PassSample where no passes are asked for.
 struct NoPassSample {};
 

@@ -25,7 +25,8 @@ inline constexpr std::array<uint8_t, 3> kGroupMasks{
     static_cast<uint8_t>(kLobeGlossy | kLobeReflection | kLobeSingular),
     static_cast<uint8_t>(kLobeGlossy | kLobeTransmission | kLobeSingular)};
 
-// Parts of a light: diffuse, glossy, transmission. They sum to 1, or to 0 where it scatters nothing.
+// Parts of a light: diffuse, glossy, transmission. They sum to 1, or to 0 where it scatters
+// nothing.
 using LightShares = std::array<Color, 3>;
 
 // The groups' parts of what `bsdf` scatters between its wo and wi.
@@ -33,8 +34,7 @@ inline LightShares light_shares(const Bsdf& bsdf, Vec3f wi, Transport transport,
   LightShares shares;
   Color sum;
   for (size_t g = 0; g < 3; ++g) {
-    shares[g] =
-        bsdf.eval_forward(wi, transport, static_cast<uint8_t>(mask & kGroupMasks[g])).f;
+    shares[g] = bsdf.eval_forward(wi, transport, static_cast<uint8_t>(mask & kGroupMasks[g])).f;
     sum += shares[g];
   }
   for (size_t g = 0; g < 3; ++g) {

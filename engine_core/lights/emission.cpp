@@ -133,8 +133,8 @@ EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n
   return {};
 }
 
-// Density of a lamp's rays, by area across them and solid angle (where one of the two is a delta: by
-// the other alone). The cosines of position and direction cancel.
+// Density of a lamp's rays, by area across them and solid angle (where one of the two is a delta:
+// by the other alone). The cosines of position and direction cancel.
 float lamp_ray_pdf(const LightTable& table, const Lamp& lamp, Vec3f p, Vec3f d) {
   switch (lamp.kind) {
     case LightKind::kPoint:

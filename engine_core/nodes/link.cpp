@@ -81,9 +81,8 @@ Program ProgramBuilder::link(std::span<const Value> roots, std::vector<Operand>&
 }
 
 bool ProgramBuilder::any(const Program& program, bool OpTraits::* trait) {
-  return std::any_of(program.code.begin(), program.code.end(), [&](const Instruction& i) {
-    return op_traits(i.op, i.variant).*trait;
-  });
+  return std::any_of(program.code.begin(), program.code.end(),
+                     [&](const Instruction& i) { return op_traits(i.op, i.variant).*trait; });
 }
 
 }  // namespace vernier

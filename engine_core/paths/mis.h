@@ -45,7 +45,7 @@ inline double bounded_product(double a, double b) { return std::min(a * b, kLarg
 // What a vertex v_i knows of the techniques that have fewer vertices on its own side, but not yet
 // of the directions in which its own path goes on. "Own" and "other" are the two sides.
 struct MisState {
-  double pdf = 1;       // P_own: area density of the vertex (after the light: e)
+  double pdf = 1;        // P_own: area density of the vertex (after the light: e)
   double neighbour = 0;  // the technique that joins v_{i-1} and v_i, relative to what is next to it
   double chain = 0;      // those beyond, but for the solid-angle density of v_i to v_{i-1}
 
@@ -58,9 +58,9 @@ struct MisState {
 
 // A vertex as its sub-path leaves it: everything but the distance to the next vertex.
 struct MisDeparture {
-  double pdf = 0;       // of the direction: solid angle; singular: of the choice
-  double cosine = 1;    // |cos| of the direction with the geometric normal
-  double sum = 0;       // so far, before the vertex's own P_other
+  double pdf = 0;     // of the direction: solid angle; singular: of the choice
+  double cosine = 1;  // |cos| of the direction with the geometric normal
+  double sum = 0;     // so far, before the vertex's own P_other
   bool singular = false;
 
   MisDeparture() = default;
@@ -70,8 +70,7 @@ struct MisDeparture {
       : pdf(pdf_), cosine(cosine_), singular(singular_) {
     if (other_reaches) {
       const double joined = singular ? 0.0 : at.neighbour;
-      sum = bounded_product(h(1.0 / at.pdf),
-                            joined + bounded_product(h(reverse), at.chain));
+      sum = bounded_product(h(1.0 / at.pdf), joined + bounded_product(h(reverse), at.chain));
     }
   }
 

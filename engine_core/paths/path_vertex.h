@@ -15,8 +15,8 @@ namespace vernier {
 // Made by a sub-path that arrives along -point.wo. It is the whole of what a connection needs.
 struct PathVertex {
   SurfacePoint point;
-  Bsdf bsdf;    // closures as seen along point.wo
-  Color beta;   // throughput up to here: before scattering, with all densities divided out
+  Bsdf bsdf;   // closures as seen along point.wo
+  Color beta;  // throughput up to here: before scattering, with all densities divided out
   MisState mis;
   uint32_t parent = kNoIndex;  // the vertex before, in its Subpath; kNoIndex: the sub-path's start
   Transport mode = Transport::kRadiance;

@@ -29,8 +29,8 @@ class Subpath {
     return v;
   }
   void drop() { --count_; }
-  // The walk scatters at the last vertex: it is the parent of the next.
-  void scatter() { parent_ = count_ - 1; }
+  // The walk scatters at the last vertex: it is the parent of the next. Returns its number.
+  uint32_t scatter() { return parent_ = count_ - 1; }
 
  private:
   static constexpr size_t kUsual = 16;

@@ -76,10 +76,9 @@ Color camera_transmittance(const SegmentContext& context, const Ray& ray, bool* 
   if (!context.scene.requirements.hidden_from_rays) {
     return transmittance<Transparent>(context, ray, PathDepth{}, path_dependent);
   }
-  return pass_surfaces(context, ray, PathDepth{}, kRayCamera, path_dependent,
-                       [&](const Ray& r, Hit& hit) {
-                         return context.scene.intersect(r, kVisibleCamera, hit);
-                       });
+  return pass_surfaces(
+      context, ray, PathDepth{}, kRayCamera, path_dependent,
+      [&](const Ray& r, Hit& hit) { return context.scene.intersect(r, kVisibleCamera, hit); });
 }
 
 }  // namespace vernier

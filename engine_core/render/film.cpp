@@ -205,9 +205,9 @@ void Film::add_splats(const SplatFrame& splats, size_t pixel, PixelBatch& batch,
   if (!splats.has_passes()) {
     return;
   }
-  constexpr std::array kPlanes{Pass::kDiffuseDirect,   Pass::kGlossyDirect,
+  constexpr std::array kPlanes{Pass::kDiffuseDirect,      Pass::kGlossyDirect,
                                Pass::kTransmissionDirect, Pass::kDiffuseIndirect,
-                               Pass::kGlossyIndirect,  Pass::kTransmissionIndirect};
+                               Pass::kGlossyIndirect,     Pass::kTransmissionIndirect};
   for (size_t i = 0; i < kPlanes.size(); ++i) {
     if (passes_.has(kPlanes[i])) {
       const double* light = splats.sum(SplatFrame::kDirectPlane + i, pixel);

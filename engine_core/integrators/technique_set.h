@@ -1,0 +1,58 @@
+// Which techniques a bidirectional method uses, and what one of them has found.
+#pragma once
+
+#include "paths/subpath.h"
+#include "render/settings.h"
+#include "scene/requirements.h"
+
+namespace vernier {
+
+// What a tracer is compiled for.
+struct BidirectionalFeatures {
+  bool passes;       // more than the picture is asked for
+  bool transparent;  // segments may pass surfaces
+};
+
+// Which techniques make the picture.
+struct TechniqueSet {
+  bool light_paths;   // any that start paths at lights
+  bool camera_paths;  // any with t >= 2, but for lights that the camera sees directly
+  bool weighted;
+  int only_s, only_t;  // -1: all
+
+  TechniqueSet(const Settings& settings, const Requirements& requirements)
+      : light_paths(!requirements.uneven_visibility),
+        camera_paths(static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kLight),
+        weighted(camera_paths && settings.unweighted == 0),
+        only_s(settings.only_light_vertices),
+        only_t(settings.only_camera_vertices) {}
+
+  bool show(int s, int t) const {
+    return (only_s < 0 || only_s == s) && (only_t < 0 || only_t == t);
+  }
+  double weight(double others) const { return weighted ? 1.0 / (1.0 + others) : 1.0; }
+};
+
+// What a thread keeps from sample to sample.
+struct BidirectionalMemory {
+  Subpath light, camera;
+};
+
+// One way of making a path, as it is found: what an observer is told.
+struct FoundPath {
+  int s, t;             // vertices from the light, from the camera
+  uint32_t light;       // kNoIndex: emission that no light stands for
+  const PathVertex* y;  // the light's sub-path ends here; null: s < 2
+  const PathVertex* z;  // the camera's sub-path ends here; null: t = 1, or t = 2 and s = 0
+  Vec3f wi;             // s < 2: from z to the light, unit
+  float distance;       // s < 2: to the light, from z; infinite beyond the scene
+  double others;        // densities of the other techniques, to the heuristic's power, over this
+  Color contribution;   // weighted
+};
+
+// An observer that looks away.
+struct NoObserver {
+  void found(const FoundPath&) {}
+};
+
+}  // namespace vernier

@@ -232,7 +232,7 @@ Result sample_emission(nb::handle handle, const Floats& u) {
   const Table table(u.shape(0), 21);
   for (size_t i = 0; i < table.rows; ++i) {
     EmissionSample s;
-    if (!scene->lights->sample_emission(u(i, 0), vec2(u, i, 1), vec2(u, i, 3), s)) {
+    if (!scene->lights->sample_emission(scene->lights->guide_by_power(), u(i, 0), vec2(u, i, 1), vec2(u, i, 3), s)) {
       continue;
     }
     float* out = table.row(i);
@@ -264,7 +264,7 @@ Result emission_pdf(nb::handle handle, const Numbers& lights, const Floats& samp
     float* out = table.row(i);
     out[0] = pdf.position;
     out[1] = pdf.direction;
-    out[2] = scene->lights->pdf_emission_selection(lights(i));
+    out[2] = scene->lights->guide_by_power().lights.probability(lights(i));
   }
   return table.release();
 }

@@ -13,8 +13,8 @@ void render_bidirectional_tile(const RenderContext& context, const Batch& batch,
   render_camera_tile<F.passes>(
       context, batch, tile, buffer, stats,
       [&](const CameraRay& ray, const SobolSampler& sampler, auto& pass_sample) {
-        return BidirectionalTracer<F>(context, sampler, stats, *buffer.splats(), pass_sample,
-                                      memory, observer)
+        return BidirectionalTracer<F>(context, sampler, stats, buffer.splats(), pass_sample, memory,
+                                      observer)
             .run(ray);
       });
 }
@@ -31,7 +31,7 @@ Kernel bidirectional_kernel(const Settings&, const Requirements& requirements, P
   };
   const unsigned index =
       (passes.any_sampled() ? 1u : 0u) | (requirements.transparent_shadows ? 2u : 0u);
-  return {kKernels[index], true};
+  return {kKernels[index], true, make_bidirectional_plan};
 }
 
 }  // namespace vernier

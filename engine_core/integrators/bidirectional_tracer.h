@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "integrators/bidirectional_plan.h"
 #include "integrators/camera_film.h"
 #include "integrators/camera_loop.h"
 #include "integrators/filtered_splats.h"
@@ -25,12 +26,13 @@ class BidirectionalTracer {
   using Passes = std::conditional_t<F.passes, PassSample, NoPassSample>;
 
   BidirectionalTracer(const RenderContext& context, const SobolSampler& sampler, RenderStats& stats,
-                      SplatFrame& splats, Passes& passes, BidirectionalMemory& memory,
+                      SplatFrame* splats, Passes& passes, BidirectionalMemory& memory,
                       Observer& observer)
       : scene_(context.scene),
         lights_(*context.scene.lights),
         camera_(*context.scene.camera),
         settings_(context.settings),
+        plan_(static_cast<const BidirectionalPlan&>(*context.plan)),
         filter_(context.filter),
         techniques_(context.settings, context.scene.requirements),
         heuristic_(static_cast<MisExponent>(context.settings.mis_heuristic) == MisExponent::kPower),
@@ -74,7 +76,7 @@ class BidirectionalTracer {
   void trace_light() {
     const SobolSampler& sampler = walks_.sampler;
     EmissionSample e;
-    if (!lights_.sample_emission(sampler.get_2d(dimension(LightDim::kChoice)).x,
+    if (!lights_.sample_emission(plan_.guide, sampler.get_2d(dimension(LightDim::kChoice)).x,
                                  sampler.get_2d(dimension(LightDim::kPosition)),
                                  sampler.get_2d(dimension(LightDim::kDirection)), e)) {
       return;
@@ -149,8 +151,9 @@ class BidirectionalTracer {
   // Density of a ray from `light` that arrives at v from wi, over the area at v and the solid angle
   // there; points: over the area alone.
   double emission_density(uint32_t light, const PathVertex& v, Vec3f wi, float distance) const {
-    double density = static_cast<double>(lights_.pdf_emission_ray(light, v.point.p, -wi)) *
-                     static_cast<double>(abs_cosine(v.point, wi));
+    double density =
+        static_cast<double>(lights_.pdf_emission_ray(plan_.guide, light, v.point.p, -wi)) *
+        static_cast<double>(abs_cosine(v.point, wi));
     if (lights_.is_point(light)) {
       density /=
           std::max(static_cast<double>(distance) * static_cast<double>(distance), kLeastSquare);
@@ -202,6 +205,11 @@ class BidirectionalTracer {
                               static_cast<double>(abs_cosine(v.point, c->wi)) / light_share_;
     const double others = v.mis.sum(heuristic_, camera_pdf, static_cast<double>(eval.pdf_reverse));
     flux *= static_cast<float>(techniques_.weight(others) / light_paths_);
+    // A splat of all paths is a pixel's value as often as there are pixels.
+    const float u = walks_.sampler.get_2d(light_dimension(walk.index, BounceDim::kLightChoice)).x;
+    if (!worthwhile(flux, 1.0, u)) {
+      return;
+    }
     bool blocked = false;
     flux *= camera_transmittance<F.transparent>(
         segments(), spawn_segment(c->p_lens - c->wi * c->clip_begin, v.point), &blocked);
@@ -295,10 +303,10 @@ class BidirectionalTracer {
     double others = 0.0;
     const MisDeparture& d = visitor.departure;
     if (walk.depth.total > 0 && light != kNoIndex) {
-      const double emitted =
-          visitor.crosses
-              ? static_cast<double>(lights_.pdf_emission_ray(light, visitor.receiver.p, direction))
-              : 0.0;
+      const double emitted = visitor.crosses
+                                 ? static_cast<double>(lights_.pdf_emission_ray(
+                                       plan_.guide, light, visitor.receiver.p, direction))
+                                 : 0.0;
       others = heuristic_(static_cast<double>(sampled) / d.pdf) +
                bounded_product(heuristic_(emitted * d.cosine / d.pdf), d.sum);
     }
@@ -334,9 +342,10 @@ class BidirectionalTracer {
     }
     if (v.bsdf.connectible() && walk.depth.total < walks_.limits.total) {
       sample_light(walk, v);
+      const Vec2f u = walks_.sampler.get_2d(dimension(walk.index, BounceDim::kJoin));
       for (uint32_t i = 0; i < light_.size(); ++i) {
         if (light_[i].bsdf.connectible()) {
-          connect(walk, v, light_[i]);
+          connect(walk, v, light_[i], {rotate(u.x, i), rotate(u.y, i)});
         }
       }
     }
@@ -360,11 +369,9 @@ class BidirectionalTracer {
       return;
     }
     const SobolSampler& sampler = walks_.sampler;
-    const float choice = lights_.count() > 1
-                             ? sampler.get_2d(dimension(walk.index, BounceDim::kLightChoice)).x
-                             : 0.0f;
+    const Vec2f choice = sampler.get_2d(dimension(walk.index, BounceDim::kLightChoice));
     LightSample light;
-    if (!lights_.sample(receiver_at(v), choice,
+    if (!lights_.sample(receiver_at(v), choice.x,
                         sampler.get_2d(dimension(walk.index, BounceDim::kLightPoint)), light)) {
       return;
     }
@@ -374,27 +381,34 @@ class BidirectionalTracer {
     if (is_black(c)) {
       return;
     }
-    bool blocked = false;  // for paths from the light
+    const double pdf = static_cast<double>(light.pdf);
+    const double met = light.hittable ? heuristic_(static_cast<double>(eval.pdf) / pdf) : 0.0;
+    double emitted = 0.0;
+    if (v.other_reaches) {
+      emitted =
+          v.mis.sum(heuristic_, emission_density(light.light, v, light.wi, light.distance) / pdf,
+                    static_cast<double>(eval.pdf_reverse));
+    }
+    if (!worthwhile(c, techniques_.weight(met + emitted), choice.y)) {
+      return;
+    }
     if (light.cast_shadow) {
+      bool blocked = false;  // for paths from the light
       c *= transmittance<F.transparent>(segments(), spawn_shadow_ray(v.point, light), walk.depth,
                                         &blocked);
       if (is_black(c)) {
         return;
       }
+      emitted = blocked ? 0.0 : emitted;
     }
-    const double pdf = static_cast<double>(light.pdf);
-    double others = light.hittable ? heuristic_(static_cast<double>(eval.pdf) / pdf) : 0.0;
-    if (v.other_reaches && !blocked) {
-      const double emitted = emission_density(light.light, v, light.wi, light.distance);
-      others += v.mis.sum(heuristic_, emitted / pdf, static_cast<double>(eval.pdf_reverse));
-    }
+    const double others = met + emitted;
     add_reaching(
         walk, mask, walk.depth.total == 0,
         {1, walk.depth.total + 2, light.light, nullptr, &v, light.wi, light.distance, others, c});
   }
 
   // Joins the two sub-paths: technique (s, t) with both at least 2.
-  void connect(const Walk& walk, const PathVertex& v, const PathVertex& y) {
+  void connect(const Walk& walk, const PathVertex& v, const PathVertex& y, Vec2f u) {
     const int s = y.point.depth.total + 2;
     if (!techniques_.show(s, walk.depth.total + 2) || !v.other_reaches ||
         !walks_.limits.allow_joined(walk.depth, y.point.depth)) {
@@ -407,12 +421,22 @@ class BidirectionalTracer {
     }
     const float distance = std::sqrt(d2);
     const Vec3f wi = d * (1.0f / distance);
+    // As if both surfaces were matte or, the glossier they are, brighter: what is then far from
+    // worthwhile is let go unseen.
+    Color c =
+        v.beta * y.beta *
+        (abs_cosine(v.point, wi) * abs_cosine(y.point, wi) * brightness(v) * brightness(y) / d2);
+    const float guess = max_component(c);
+    if (!worthwhile(c, 1.0, u.x)) {
+      return;
+    }
+    const float raised = max_component(c) / guess;
     const BsdfEval at_v = scatter_eval(scene_, v, wi);
     if (is_black(at_v.f)) {
       return;
     }
     const BsdfEval at_y = scatter_eval(scene_, y, -wi);
-    Color c = v.beta * at_v.f * at_y.f * y.beta * (1.0f / d2);
+    c = v.beta * at_v.f * at_y.f * y.beta * (raised / d2);
     if (is_black(c)) {
       return;
     }
@@ -423,6 +447,9 @@ class BidirectionalTracer {
         static_cast<double>(at_v.pdf) * static_cast<double>(abs_cosine(y.point, wi)) * inverse_d2;
     const double others = v.mis.sum(heuristic_, from_light, static_cast<double>(at_v.pdf_reverse)) +
                           y.mis.sum(heuristic_, from_camera, static_cast<double>(at_y.pdf_reverse));
+    if (!worthwhile(c, techniques_.weight(others), u.y)) {
+      return;
+    }
     bool blocked = false;
     c *= transmittance<F.transparent>(segments(), spawn_segment(v.point, y.point), walk.depth,
                                       &blocked);
@@ -441,6 +468,31 @@ class BidirectionalTracer {
         passes.add_later_light(c);
       }
     });
+  }
+
+  // The order of magnitude of a BSDF.
+  static float brightness(const PathVertex& v) {
+    return kInvPi / std::max(v.bsdf.mean_squared_roughness(), 1e-3f);
+  }
+
+  // Whether a contribution, of which `weight` counts, is worth more work. What is small beside the
+  // picture is let go by chance, and raised where it stays; u is uniform in [0,1).
+  bool worthwhile(Color& c, double weight, float u) const {
+    const float p = max_component(c) * static_cast<float>(weight) * plan_.inverse_threshold;
+    if (!(p < 1.0f)) {
+      return true;
+    }
+    if (!(u < p)) {
+      return false;
+    }
+    c *= 1.0f / p;
+    return true;
+  }
+
+  // The i-th of many uniform numbers made from one.
+  static float rotate(float u, uint32_t i) {
+    const float turned = u + static_cast<float>(i * 0x9e3779b9u >> 8) * 0x1p-24f;
+    return std::min(turned - std::floor(turned), kOneMinusEpsilon);
   }
 
   SegmentContext segments() const { return {scene_, walks_.limits.transparent, walks_.rays}; }
@@ -469,6 +521,7 @@ class BidirectionalTracer {
   const LightSampler& lights_;
   const Camera& camera_;
   const Settings& settings_;
+  const BidirectionalPlan& plan_;
   const PixelFilter2d& filter_;
   const TechniqueSet techniques_;
   const MisHeuristic heuristic_;

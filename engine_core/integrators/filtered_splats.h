@@ -15,22 +15,26 @@ namespace vernier {
 // it would have by sampling the filter about its centre.
 class FilteredSplats {
  public:
-  FilteredSplats(const FilmDesc& film, const PixelFilter2d& filter, SplatFrame& frame)
+  // `frame` may be null: then nothing is kept.
+  FilteredSplats(const FilmDesc& film, const PixelFilter2d& filter, SplatFrame* frame)
       : film_(film), filter_(filter), frame_(frame) {}
 
   // `raster` is in pixels of the full frame, `flux` a pixel's value where all of it is its own.
   void add(Vec2f raster, Color flux) const {
-    for_each_pixel(raster, [&](int x, int y, float part) { frame_.add(x, y, flux * part); });
+    for_each_pixel(raster, [&](int x, int y, float part) { frame_->add(x, y, flux * part); });
   }
   // The same with passes.
   void add(Vec2f raster, Color flux, const LightShares& shares, bool direct) const {
     for_each_pixel(
-        raster, [&](int x, int y, float part) { frame_.add(x, y, flux * part, shares, direct); });
+        raster, [&](int x, int y, float part) { frame_->add(x, y, flux * part, shares, direct); });
   }
 
  private:
   template <class F>
   void for_each_pixel(Vec2f raster, const F& f) const {
+    if (frame_ == nullptr) {
+      return;
+    }
     const float r = filter_.radius();
     const auto first = [&](float at, int low) {
       return std::max(static_cast<int>(std::ceil(at - 0.5f - r)), low);
@@ -49,7 +53,7 @@ class FilteredSplats {
 
   const FilmDesc& film_;
   const PixelFilter2d& filter_;
-  SplatFrame& frame_;
+  SplatFrame* frame_;
 };
 
 }  // namespace vernier

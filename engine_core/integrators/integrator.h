@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 
 #include "render/film.h"
 #include "render/settings.h"
@@ -27,11 +28,17 @@ struct alignas(64) RenderStats {
   uint64_t non_finite = 0;  // samples that were dropped because they were not finite
 };
 
+// What a method finds out about the scene before its first batch. The same for equal seeds.
+struct Plan {
+  virtual ~Plan() = default;
+};
+
 struct RenderContext {
   const Scene& scene;
   const Settings& settings;
   const PixelFilter2d& filter;
   const std::atomic<bool>& cancelled;  // by the user, or because the time is up
+  const Plan* plan = nullptr;          // the method's own
 };
 
 // Renders `batch` for the pixels of `tile` (film coordinates) into `buffer`. Returns early, with
@@ -42,6 +49,9 @@ using RenderTile = void (*)(const RenderContext& context, const Batch& batch, co
 struct Kernel {
   RenderTile render_tile = nullptr;
   bool splats = false;  // samples add to pixels other than their own
+  // Makes the plan; null where the method needs none.
+  std::unique_ptr<const Plan> (*make_plan)(const RenderContext& context, uint64_t seed,
+                                           RenderStats& stats) = nullptr;
 };
 
 // The kernel of the chosen integrator for what this scene and these passes need, and nothing else.

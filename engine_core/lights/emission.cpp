@@ -89,18 +89,37 @@ void emit_area(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, EmissionSa
   shape.factor = area_lamp_factor(lamp, -out.direction);
 }
 
-// The disk across the direction -d that lies before the scene's bounding sphere.
-void emit_from_afar(const LightTable& table, Vec2f u_position, Vec3f d, EmissionSample& out) {
-  const Vec2f disk = square_to_disk(u_position);
+float disk_density(float radius) { return bounded_density(kInvPi / radius / radius); }
+
+// Density, over area across the direction d, of the ray through p from far away.
+float disk_density(const LightTable& table, const EmissionGuide& guide, Vec3f p, Vec3f d) {
+  const float whole = disk_density(table.radius);
+  if (!(guide.share > 0.0f)) {
+    return whole;
+  }
+  const bool within = length_squared(cross(p - guide.center, d)) <= square(guide.radius);
+  return lerp(whole, within ? disk_density(guide.radius) : 0.0f, guide.share);
+}
+
+// A ray along d that passes the scene's disk or the guide's, from before the bounding sphere.
+void emit_from_afar(const LightTable& table, const EmissionGuide& guide, Vec2f u_position, Vec3f d,
+                    EmissionSample& out) {
+  Vec3f center = table.center;
+  float radius = table.radius;
+  if (u_position.x < guide.share) {
+    u_position.x /= guide.share;
+    center = guide.center;
+    radius = guide.radius;
+  } else {
+    u_position.x = std::min((u_position.x - guide.share) / (1.0f - guide.share), kOneMinusEpsilon);
+  }
+  const Vec2f disk = square_to_disk(u_position) * radius;
   const Frame across(d);
   out.direction = d;
   out.n = d;
   out.infinite = true;
-  out.p = table.center + (across.s * disk.x + across.t * disk.y - d) * table.radius;
-}
-
-float disk_density(const LightTable& table) {
-  return bounded_density(kInvPi / table.radius / table.radius);
+  const float before = table.radius + dot(center - table.center, d);
+  out.p = center + across.s * disk.x + across.t * disk.y - d * before;
 }
 
 EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n, Vec3f d) {
@@ -126,16 +145,17 @@ EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n
       return {1.0f / lamp.area, inside ? cosine * kInvPi / sine2 : 0.0f};
     }
     case LightKind::kSun:
-      return {disk_density(table), lamp.delta               ? 1.0f
-                                   : sun_contains(lamp, -d) ? pdf_sun(lamp)
-                                                            : 0.0f};
+      return {disk_density(table.radius), lamp.delta               ? 1.0f
+                                          : sun_contains(lamp, -d) ? pdf_sun(lamp)
+                                                                   : 0.0f};
   }
   return {};
 }
 
 // Density of a lamp's rays, by area across them and solid angle (where one of the two is a delta:
 // by the other alone). The cosines of position and direction cancel.
-float lamp_ray_pdf(const LightTable& table, const Lamp& lamp, Vec3f p, Vec3f d) {
+float lamp_ray_pdf(const LightTable& table, const EmissionGuide& guide, const Lamp& lamp, Vec3f p,
+                   Vec3f d) {
   switch (lamp.kind) {
     case LightKind::kPoint:
     case LightKind::kSpot: {
@@ -161,7 +181,7 @@ float lamp_ray_pdf(const LightTable& table, const Lamp& lamp, Vec3f p, Vec3f d) 
       return inside ? kInvPi / sine2 / lamp.area : 0.0f;
     }
     case LightKind::kSun:
-      return disk_density(table) * (lamp.delta ? 1.0f : pdf_sun(lamp));
+      return disk_density(table, guide, p, d) * (lamp.delta ? 1.0f : pdf_sun(lamp));
   }
   return 0.0f;
 }
@@ -170,9 +190,7 @@ float lamp_ray_pdf(const LightTable& table, const Lamp& lamp, Vec3f p, Vec3f d) 
 
 double LightSampler::total_power() const { return table_->total_power; }
 
-float LightSampler::pdf_emission_selection(uint32_t light) const {
-  return table_->emission.probability(light);
-}
+const EmissionGuide& LightSampler::guide_by_power() const { return table_->by_power; }
 
 EmissionPdf LightSampler::pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f direction) const {
   static_cast<void>(p);
@@ -183,14 +201,15 @@ EmissionPdf LightSampler::pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f d
             0.5f * std::abs(dot(n, direction)) * kInvPi};
   }
   if (table.is_environment(light)) {
-    return {disk_density(table), table.environment.pdf_direction(-direction)};
+    return {disk_density(table.radius), table.environment.pdf_direction(-direction)};
   }
   return lamp_emission_pdf(table, table.lamp(light), n, direction);
 }
 
-float LightSampler::pdf_emission_ray(uint32_t light, Vec3f p, Vec3f direction) const {
+float LightSampler::pdf_emission_ray(const EmissionGuide& guide, uint32_t light, Vec3f p,
+                                     Vec3f direction) const {
   const LightTable& table = *table_;
-  const float selection = pdf_emission_selection(light);
+  const float selection = guide.lights.probability(light);
   if (!(selection > 0.0f)) {
     return 0.0f;
   }
@@ -198,28 +217,29 @@ float LightSampler::pdf_emission_ray(uint32_t light, Vec3f p, Vec3f direction) c
     return selection * 0.5f * kInvPi * bounded_density(1.0f / table.triangles[light].area);
   }
   if (table.is_environment(light)) {
-    return selection * disk_density(table) * table.environment.pdf_direction(-direction);
+    return selection * disk_density(table, guide, p, direction) *
+           table.environment.pdf_direction(-direction);
   }
-  return selection * lamp_ray_pdf(table, table.lamp(light), p, direction);
+  return selection * lamp_ray_pdf(table, guide, table.lamp(light), p, direction);
 }
 
-bool LightSampler::sample_emission(float u_select, Vec2f u_position, Vec2f u_direction,
-                                   EmissionSample& out) const {
+bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, Vec2f u_position,
+                                   Vec2f u_direction, EmissionSample& out) const {
   const LightTable& table = *table_;
-  if (table.emission.size() == 0) {
+  if (guide.lights.size() == 0) {
     return false;
   }
   out = EmissionSample{};
-  out.light = table.emission.sample(u_select);
-  out.pdf_selection = table.emission.probability(out.light);
+  out.light = guide.lights.sample(u_select);
+  out.pdf_selection = guide.lights.probability(out.light);
   EmissionPdf pdf;
   if (table.is_triangle(out.light)) {
     emit_triangle(out.light, u_position, u_direction, out);
     pdf = pdf_emission(out.light, out.p, out.n, out.direction);
   } else if (table.is_environment(out.light)) {
-    emit_from_afar(table, u_position,
+    emit_from_afar(table, guide, u_position,
                    -table.environment.sample_direction(u_direction, pdf.direction), out);
-    pdf.position = disk_density(table);
+    pdf.position = disk_density(table, guide, out.p, out.direction);
     out.radiance = environment(-out.direction, 0, PathDepth{});
     out.visibility = table.scene->world_visibility;
   } else {
@@ -236,7 +256,7 @@ bool LightSampler::sample_emission(float u_select, Vec2f u_position, Vec2f u_dir
       case LightKind::kSun:
         sample_sun(lamp, u_direction, shape);
         out.delta_direction = lamp.delta;
-        emit_from_afar(table, u_position, -shape.wi, out);
+        emit_from_afar(table, guide, u_position, -shape.wi, out);
         break;
     }
     shape.wi = -out.direction;
@@ -247,6 +267,9 @@ bool LightSampler::sample_emission(float u_select, Vec2f u_position, Vec2f u_dir
     out.visibility = lamp.visibility;
     out.cast_shadow = lamp.cast_shadow;
     pdf = lamp_emission_pdf(table, lamp, out.n, out.direction);
+    if (out.infinite) {
+      pdf.position = disk_density(table, guide, out.p, out.direction);
+    }
   }
   out.pdf_position = pdf.position;
   out.pdf_direction = pdf.direction;

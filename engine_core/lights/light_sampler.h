@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "embree/intersector.h"
+#include "lights/emission_guide.h"
 #include "lights/light_sample.h"
 #include "math/vec.h"
 #include "scene/description.h"
@@ -99,19 +100,22 @@ class LightSampler {
   // Light from the environment against direction d; black where there is no world.
   Color environment(Vec3f d, uint32_t flags, const PathDepth& depth) const;
 
-  // Chooses a light in proportion to its power, then an origin and a direction. False where the
-  // sample has no radiance.
-  bool sample_emission(float u_select, Vec2f u_position, Vec2f u_direction,
-                       EmissionSample& out) const;
-  // Densities with which sample_emission() makes origin p (normal n) and direction, given `light`.
+  // Chooses a light, then an origin and a direction. False where the sample has no radiance.
+  bool sample_emission(const EmissionGuide& guide, float u_select, Vec2f u_position,
+                       Vec2f u_direction, EmissionSample& out) const;
+  // The guide that knows no more than the lights' power. Its weights are 0 for lights at which no
+  // path may start: those that shine through walls, or on some kinds of surfaces only.
+  const EmissionGuide& guide_by_power() const;
+  // Densities with which sample_emission() by power makes origin p (normal n) and direction, given
+  // `light`.
   EmissionPdf pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f direction) const;
-  float pdf_emission_selection(uint32_t light) const;
   // Density, selection included, with which sample_emission() makes the ray that leaves `light` in
   // `direction` and arrives at p: over area across the ray and solid angle together, a measure that
   // is the same all along the ray (Veach 1997, section 4.1). Where the position is a delta: over
   // solid angle alone; where the direction is: over area alone. `direction` is one in which the
   // light shines at p. 0: paths do not start at this light.
-  float pdf_emission_ray(uint32_t light, Vec3f p, Vec3f direction) const;
+  float pdf_emission_ray(const EmissionGuide& guide, uint32_t light, Vec3f p,
+                         Vec3f direction) const;
   // Power of all lights that sample_emission() chooses from, watts (average of RGB).
   double total_power() const;
 

@@ -177,7 +177,7 @@ void weigh_lights(LightTable& table) {
   for (uint32_t light = 0; light < count; ++light) {
     power[light] = shines_evenly(table, light) ? power[light] : 0.0;
   }
-  table.emission = AliasTable(power);
+  table.by_power.lights = AliasTable(power);
 
   std::vector<LightBounds> bounds;
   std::vector<uint32_t> lights;

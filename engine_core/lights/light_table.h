@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "lights/emission_guide.h"
 #include "lights/environment.h"
 #include "lights/lamp.h"
 #include "lights/lamp_bvh.h"
@@ -35,7 +36,7 @@ struct LightTable {
   uint32_t visible_lamps = 0;  // union of the Visibility bits of lamps that rays can meet
   uint32_t visible_suns = 0;
 
-  AliasTable emission;
+  EmissionGuide by_power;  // in proportion to the lights' power
   double total_power = 0;
   Vec3f center;  // the bounding sphere of what infinite lights shine on
   float radius = 0;

@@ -126,9 +126,15 @@ bool Session::next_job(uint64_t& batch, size_t& tile) {
 
 void Session::work(int thread) {
   const FlushDenormals flush;
-  const RenderContext context{*scene_, settings_, filter_, stopped_};
+  RenderContext context{*scene_, settings_, filter_, stopped_};
   RenderStats& stats = stats_[static_cast<size_t>(thread)];
   try {
+    std::call_once(planned_, [&] {
+      if (kernel_.make_plan != nullptr) {
+        plan_of_method_ = kernel_.make_plan(context, plan_.front().seed, stats);
+      }
+    });
+    context.plan = plan_of_method_.get();
     uint64_t number = 0;
     size_t tile_number = 0;
     while (next_job(number, tile_number)) {

@@ -78,6 +78,8 @@ class Session {
   Film film_;
   PixelFilter2d filter_;
   std::vector<Batch> plan_;
+  std::once_flag planned_;
+  std::unique_ptr<const Plan> plan_of_method_;
   int thread_count_;
   std::vector<std::thread> threads_;
   std::thread watch_;  // only with a time limit

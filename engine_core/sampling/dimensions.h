@@ -16,7 +16,8 @@ enum class BounceDim : uint32_t {
   kLobe = 1,         // x: which lobe; y: Russian roulette
   kLightPoint = 2,   // the point on the light
   kLightChoice = 3,  // x: which light; y: which estimator, where there is a choice
-  kCount = 4,
+  kJoin = 4,         // which vertices of the other end a vertex is joined to
+  kCount = 5,
 };
 
 // Pairs of the start of a path that leaves a light.

@@ -61,7 +61,8 @@ class FinalRender:
         scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         called = time.perf_counter()
         engine.update_stats("", "Reading the scene")
-        if scene.render.use_persistent_data:
+        keep = scene.render.use_persistent_data
+        if keep:
             self._sync.mark(depsgraph)
         else:
             self._sync = SceneSync()
@@ -73,6 +74,8 @@ class FinalRender:
         )
         description = self._sync.apply(depsgraph, options)
         messages = self._sync.report.messages
+        if not keep:
+            self._sync = SceneSync()  # the compiler is then the only one to hold the meshes
         if description.camera is None:
             raise ValueError(f'scene "{scene.name}" has no camera')
         values = render_settings(scene, layer)
@@ -82,7 +85,7 @@ class FinalRender:
         engine.update_stats("", "Building")
         described = time.perf_counter()
         threads = int(values.get("threads", 0))
-        compiled = self._compile(description, threads, keep_uv)
+        compiled = self._compile(description, threads, keep_uv, consume=not keep)
         built = time.perf_counter()
         messages = [*messages, *compiled.warnings]
         self._report(messages)
@@ -104,7 +107,9 @@ class FinalRender:
             rest = len(messages) - _MAX_MESSAGES
             self._engine.report({"WARNING"}, f"and {rest} more messages of this kind")
 
-    def _compile(self, description: SceneDescription, threads: int, keep_uv: bool) -> Any:
+    def _compile(
+        self, description: SceneDescription, threads: int, keep_uv: bool, consume: bool
+    ) -> Any:
         """Compiles in a thread of its own, so that this one goes on asking for cancel."""
         module = core()
         results: list[Any] = []
@@ -113,7 +118,7 @@ class FinalRender:
 
         def work() -> None:
             try:
-                results.append(module.compile(description, threads, keep_uv, stop.is_set))
+                results.append(module.compile(description, threads, keep_uv, stop.is_set, consume))
             except BaseException as error:  # handed to the thread that waits
                 errors.append(error)
 

@@ -24,21 +24,17 @@ def read_mesh(
     slots are clamped to it, as in Cycles). None: it has no faces, or cannot be rendered, which is
     then reported under `name`.
     """
-    corners, faces = len(mesh.loops), len(mesh.polygons)
-    if not faces:
+    if not mesh.polygons:
         return None
     positions = attributes.values(mesh.attributes["position"]).reshape(-1, 3)
     if not np.isfinite(positions).all():
         report.warn(f'object "{name}": its mesh has vertices that are not finite; it is left out')
         return None
-    offsets = np.empty(faces + 1, np.int32)
-    mesh.polygons.foreach_get("loop_start", offsets[:-1])
-    offsets[-1] = corners
     result = Mesh(
         name=name,
         positions=positions,
         corner_vertices=attributes.integers(mesh.attributes[".corner_vert"]),
-        face_offsets=offsets,
+        face_offsets=_face_offsets(mesh),
         face_materials=_face_materials(mesh, slots),
     )
     _read_normals(mesh, result, report)
@@ -47,6 +43,17 @@ def read_mesh(
     result.active_color = attributes.active_color(mesh)
     result.attributes = _read_attributes(mesh, result, reads, report)
     return result
+
+
+def _face_offsets(mesh: bpy.types.Mesh) -> IntArray:
+    corners, faces = len(mesh.loops), len(mesh.polygons)
+    if corners == 3 * faces:  # no face has fewer, so all are triangles
+        return np.arange(0, corners + 1, 3, dtype=np.int32)
+    # Blender computes these one by one, which is slow.
+    offsets = np.empty(faces + 1, np.int32)
+    mesh.polygons.foreach_get("loop_start", offsets[:-1])
+    offsets[-1] = corners
+    return offsets
 
 
 def _face_materials(mesh: bpy.types.Mesh, slots: int) -> IntArray | None:

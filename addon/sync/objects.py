@@ -8,12 +8,13 @@ import bpy
 import numpy as np
 from engine_core.description import FloatArray, Visibility
 
+# Plain numbers: operators of enums are slow, and there may be very many objects.
 _RAYS = (
-    ("visible_camera", Visibility.CAMERA),
-    ("visible_diffuse", Visibility.DIFFUSE),
-    ("visible_glossy", Visibility.GLOSSY),
-    ("visible_transmission", Visibility.TRANSMISSION),
-    ("visible_shadow", Visibility.SHADOW),
+    ("visible_camera", int(Visibility.CAMERA)),
+    ("visible_diffuse", int(Visibility.DIFFUSE)),
+    ("visible_glossy", int(Visibility.GLOSSY)),
+    ("visible_transmission", int(Visibility.TRANSMISSION)),
+    ("visible_shadow", int(Visibility.SHADOW)),
 )
 
 
@@ -97,7 +98,7 @@ def ray_visibility(item: bpy.types.Object) -> int:
     for name, bit in _RAYS:
         if getattr(item, name):
             bits |= bit
-    return int(bits)
+    return bits
 
 
 def _object_use(
@@ -175,20 +176,17 @@ def name_hash(name: str) -> int:
 
 
 def _hash_pair(first: int, second: int) -> int:
-    start = (0xDEADBEEF + (2 << 2) + 13) & 0xFFFFFFFF
-    a, b, c = (start + first) & 0xFFFFFFFF, (start + second) & 0xFFFFFFFF, start
-    for target, source, turn in (
-        ("c", "b", 14),
-        ("a", "c", 11),
-        ("b", "a", 25),
-        ("c", "b", 16),
-        ("a", "c", 4),
-        ("b", "a", 14),
-        ("c", "b", 24),
-    ):
-        words = {"a": a, "b": b, "c": c}
-        word = words[source]
-        rotated = ((word << turn) | (word >> (32 - turn))) & 0xFFFFFFFF
-        words[target] = ((words[target] ^ word) - rotated) & 0xFFFFFFFF
-        a, b, c = words["a"], words["b"], words["c"]
-    return c
+    c = (0xDEADBEEF + (2 << 2) + 13) & 0xFFFFFFFF
+    a, b = (c + first) & 0xFFFFFFFF, (c + second) & 0xFFFFFFFF
+    c = _mix(c, b, 14)
+    a = _mix(a, c, 11)
+    b = _mix(b, a, 25)
+    c = _mix(c, b, 16)
+    a = _mix(a, c, 4)
+    b = _mix(b, a, 14)
+    return _mix(c, b, 24)
+
+
+def _mix(target: int, source: int, turn: int) -> int:
+    rotated = (source << turn) | (source >> (32 - turn))
+    return ((target ^ source) - rotated) & 0xFFFFFFFF

@@ -23,6 +23,7 @@ class Reader {
     for (nb::handle mesh : source.attr("meshes")) {
       d.meshes.push_back(read_mesh(mesh));
     }
+    std::swap(result_.mesh_owners, result_.owners);
     d.material_sets = nb::cast<std::vector<std::vector<int32_t>>>(source.attr("material_sets"));
     d.instances = read_instances(source.attr("instances"));
     for (nb::handle object : source.attr("objects")) {
@@ -32,9 +33,11 @@ class Reader {
       d.materials.push_back({text(material, "name"), graph_from_python(material.attr("graph")),
                              real(material, "pass_index")});
     }
+    std::swap(result_.image_owners, result_.owners);
     for (nb::handle image : source.attr("images")) {
       d.images.push_back(read_image(image));
     }
+    std::swap(result_.image_owners, result_.owners);
     for (nb::handle light : source.attr("lights")) {
       d.lights.push_back(read_light(light));
     }

@@ -12,7 +12,7 @@ namespace vernier {
 // The description, and the arrays that it refers to, kept alive together.
 struct BorrowedDescription {
   SceneDescription description;
-  std::vector<nanobind::object> owners;
+  std::vector<nanobind::object> mesh_owners, image_owners, owners;
 };
 
 // Throws nb::python_error or nb::cast_error where a field is missing or of the wrong type:

@@ -2,6 +2,11 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <malloc.h>
+
+#include <atomic>
+#include <chrono>
+
 #include "bindings/bind.h"
 #include "bindings/description_from_python.h"
 #include "scene/compile.h"
@@ -42,16 +47,49 @@ nb::dict requirements(const SceneHandle& handle) {
   return d;
 }
 
+// Asks `cancelled` at most every kPollInterval, whatever number of threads want to know and how
+// often: each question waits for the interpreter's lock.
+class CancelPoll {
+ public:
+  explicit CancelPoll(const nb::object& cancelled) : cancelled_(cancelled) {}
+
+  bool operator()() {
+    const int64_t now = std::chrono::steady_clock::now().time_since_epoch().count();
+    int64_t next = next_;
+    if (answer_ || now < next || !next_.compare_exchange_strong(next, now + kPollInterval)) {
+      return answer_;
+    }
+    const nb::gil_scoped_acquire lock;
+    answer_ = nb::cast<bool>(nb::bool_(cancelled_()));
+    return answer_;
+  }
+
+ private:
+  static constexpr int64_t kPollInterval =
+      std::chrono::steady_clock::duration(std::chrono::milliseconds(20)).count();
+  const nb::object& cancelled_;
+  std::atomic<int64_t> next_{0};
+  std::atomic<bool> answer_{false};
+};
+
 SceneHandle compile_scene(nb::handle description, int threads, bool keep_uv,
-                          const nb::object& cancelled) {
-  const BorrowedDescription borrowed = description_from_python(description);
+                          const nb::object& cancelled, bool consume) {
+  BorrowedDescription borrowed = description_from_python(description);
   CompileOptions options;
   options.threads = threads;
   options.keep_uv = keep_uv;
+  CancelPoll poll(cancelled);
   if (!cancelled.is_none()) {
-    options.cancelled = [&cancelled] {
+    options.cancelled = [&poll] { return poll(); };
+  }
+  if (consume) {
+    options.large_parts_read = [&borrowed, description] {
       const nb::gil_scoped_acquire lock;
-      return nb::cast<bool>(nb::bool_(cancelled()));
+      borrowed.mesh_owners.clear();
+      borrowed.image_owners.clear();
+      description.attr("meshes").attr("clear")();
+      description.attr("images").attr("clear")();
+      malloc_trim(0);  // else what was freed stays with the process
     };
   }
   const nb::gil_scoped_release release;
@@ -77,7 +115,7 @@ void bind_scene(nb::module_& m) {
         return s.scene->film.crop[3] - s.scene->film.crop[1];
       });
   m.def("compile", &compile_scene, nb::arg("description"), nb::arg("threads"), nb::arg("keep_uv"),
-        nb::arg("cancelled").none(), "Compiles a validated description.");
+        nb::arg("cancelled").none(), nb::arg("consume"), "Compiles a validated description.");
 }
 
 }  // namespace vernier

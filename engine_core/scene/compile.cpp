@@ -80,6 +80,9 @@ class SceneCompiler {
     compile_materials();
     choose_origin();
     compile_meshes();
+    if (options_.large_parts_read) {
+      options_.large_parts_read();
+    }
     compile_instances();
     build_intersector();
     scene_->film = desc_.film;

@@ -12,7 +12,10 @@ namespace vernier {
 struct CompileOptions {
   int threads = 0;                  // 0: all there are
   bool keep_uv = false;             // keep active UV maps for the UV pass, read by materials or not
-  std::function<bool()> cancelled;  // polled; may be empty
+  std::function<bool()> cancelled;  // polled, by any thread; may be empty
+  // Called once, when the description's meshes and images have been read: the rest of compilation
+  // looks at them no more. May be empty.
+  std::function<void()> large_parts_read;
 };
 
 // `description` has passed validation (engine_core.validation): indices and sizes are trusted.

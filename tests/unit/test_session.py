@@ -6,6 +6,7 @@ import gc
 import math
 import threading
 import time
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -457,3 +458,26 @@ def test_a_recursion_that_doubles_at_every_level_is_cancelled() -> None:
     assert not session.wait(0.05)
     session.cancel()
     assert session.wait(SOON)
+
+
+def test_a_compiled_scene_may_take_the_meshes_out_of_its_description() -> None:
+    builder = SceneBuilder((8, 8))
+    builder.camera((0, -5, 3), (0, 0, 0))
+    builder.add(sphere(1.0, (0, 0, 0), rings=12), diffuse(0.5))
+    builder.description.world = background(1.0)
+    kept = engine_core.compile(builder.description, threads=2)
+    assert builder.description.meshes
+    held = weakref.ref(builder.description.meshes[0].positions)
+    consumed = engine_core.compile(builder.description, threads=2, consume=True)
+    assert builder.description.meshes == []
+    assert held() is None  # nothing keeps the array
+    assert not differing(pictures(kept, ["Combined"]), pictures(consumed, ["Combined"]))
+
+
+def test_cancelling_is_asked_for_while_a_scene_is_compiled() -> None:
+    builder = SceneBuilder((8, 8))
+    builder.camera((0, -5, 3), (0, 0, 0))
+    builder.add(sphere(1.0, (0, 0, 0), rings=12), diffuse(0.5))
+    for consume in (False, True):
+        with pytest.raises(RuntimeError, match="cancelled"):
+            engine_core.compile(builder.description, cancelled=lambda: True, consume=consume)

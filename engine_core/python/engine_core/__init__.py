@@ -47,17 +47,20 @@ def compile(
     threads: int = 0,
     keep_uv: bool = False,
     cancelled: Callable[[], bool] | None = None,
+    consume: bool = False,
 ) -> Any:
     """Validates and compiles a description to an immutable `Scene`.
 
     `threads` 0: as many as the machine has. `keep_uv`: the UV pass will be asked for.
-    `cancelled` is polled now and then. Raises DescriptionError (a ValueError) or ValueError naming
-    what is wrong, RuntimeError when Embree fails or the call is cancelled, MemoryError.
+    `cancelled` is polled now and then. `consume` takes the meshes and images out of `description`
+    once they have been read, so that they need no memory while the rest is built. Raises
+    DescriptionError (a ValueError) or ValueError naming what is wrong, RuntimeError when Embree
+    fails or the call is cancelled, MemoryError.
     """
     validate(description)
     if description.camera is None:
         raise DescriptionError("the scene has no camera")
-    return _core.compile(description, threads, keep_uv, cancelled)
+    return _core.compile(description, threads, keep_uv, cancelled, consume)
 
 
 __all__ = [

@@ -65,8 +65,12 @@ class VernierRenderEngine(bpy.types.RenderEngine):
             self.update_stats("Vernier", str(error))
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        if self._viewport is not None:
+        if self._viewport is None:
+            return
+        try:
             self._viewport.draw(context, depsgraph)
+        except Exception as error:  # what the core says of the scene, from the new point of view
+            self.update_stats("Vernier", str(error))
 
 
 def fail(engine: bpy.types.RenderEngine, message: str) -> None:

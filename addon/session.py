@@ -84,7 +84,7 @@ class FinalRender:
 
         engine.update_stats("", "Building")
         described = time.perf_counter()
-        threads = int(values.get("threads", 0))
+        threads = int(values["threads"])
         compiled = self._compile(description, threads, keep_uv, consume=not keep)
         built = time.perf_counter()
         messages = [*messages, *compiled.warnings]

@@ -91,10 +91,11 @@ def unregister() -> None:
 def film_settings(scene: bpy.types.Scene) -> dict[str, Any]:
     """The settings that describe the film: members of SyncOptions.
 
-    None before the add-on is registered: scenes can be described, with the defaults, even then.
+    None while there is no core, or the add-on is not registered: scenes can be described, with the
+    defaults, even then.
     """
-    settings = getattr(scene, "vernier", None)
-    if settings is None:
+    settings: Any = getattr(scene, "vernier", None)
+    if not hasattr(settings, "pixel_filter"):
         return {}
     return {
         "filter": settings.pixel_filter,

@@ -94,7 +94,7 @@ class Viewport:
         picture = self._session.read("Combined", 0, 0, view.width, view.height)
         self._show(picture, depsgraph.scene_eval, view)
         progress = self._session.poll(True)
-        self._engine.update_stats("", stats_line(progress))
+        self._engine.update_stats("", self._session.error_message or stats_line(progress))
         if not progress.done:
             bpy.app.timers.register(self._redraw, first_interval=_REDRAW_SECONDS)
 
@@ -108,7 +108,7 @@ class Viewport:
             film, width=view.width, height=view.height, crop=(0, 0, view.width, view.height)
         )
         values = render_settings(depsgraph.scene_eval, depsgraph.view_layer_eval)
-        scene = core().compile(self._description, int(values.get("threads", 0)))
+        scene = core().compile(self._description, int(values["threads"]))
         self._session = core().Session(scene, values, ["Combined"])
         self._session.start()
 

@@ -30,11 +30,19 @@ def read_mesh(
     if not np.isfinite(positions).all():
         report.warn(f'object "{name}": its mesh has vertices that are not finite; it is left out')
         return None
+    corner_vertices = attributes.integers(mesh.attributes[".corner_vert"])
+    face_offsets = _face_offsets(mesh)
+    # Before Blender is asked for anything that it computes from them: it would crash.
+    if not _are_faces(corner_vertices, face_offsets, len(positions)):
+        report.warn(
+            f'object "{name}": its mesh has faces of vertices that do not exist; it is left out'
+        )
+        return None
     result = Mesh(
         name=name,
         positions=positions,
-        corner_vertices=attributes.integers(mesh.attributes[".corner_vert"]),
-        face_offsets=_face_offsets(mesh),
+        corner_vertices=corner_vertices,
+        face_offsets=face_offsets,
         face_materials=_face_materials(mesh, slots),
     )
     _read_normals(mesh, result, report)
@@ -54,6 +62,12 @@ def _face_offsets(mesh: bpy.types.Mesh) -> IntArray:
     mesh.polygons.foreach_get("loop_start", offsets[:-1])
     offsets[-1] = corners
     return offsets
+
+
+def _are_faces(corner_vertices: IntArray, face_offsets: IntArray, vertices: int) -> bool:
+    """Whether every face has three corners or more, and these are vertices of the mesh."""
+    low, high = int(np.min(corner_vertices)), int(np.max(corner_vertices))
+    return low >= 0 and high < vertices and int(np.min(np.diff(face_offsets))) >= 3
 
 
 def _face_materials(mesh: bpy.types.Mesh, slots: int) -> IntArray | None:

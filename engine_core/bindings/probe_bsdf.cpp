@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bindings/table.h"
 #include "bsdf/bsdf.h"
 
 namespace nb = nanobind;
@@ -14,7 +15,6 @@ namespace vernier {
 namespace {
 
 using Array = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
-using Output = nb::ndarray<nb::numpy, float>;
 
 Vec3f vec3(nb::handle h) {
   nb::sequence s = nb::cast<nb::sequence>(h);
@@ -195,27 +195,12 @@ size_t rows(const Array& a, size_t columns, const char* name) {
   return a.shape(0);
 }
 
-// An output of shape (n, columns).
-class Table {
- public:
-  Table(size_t n, size_t columns) : n_(n), columns_(columns), data_(new float[n * columns]()) {}
-  float* row(size_t i) { return data_ + i * columns_; }
-  Output release() {
-    nb::capsule owner(data_, [](void* p) noexcept { delete[] static_cast<float*>(p); });
-    return Output(data_, {n_, columns_}, owner);
-  }
-
- private:
-  size_t n_, columns_;
-  float* data_;
-};
-
 Transport transport_of(bool importance) {
   return importance ? Transport::kImportance : Transport::kRadiance;
 }
 
 // Columns f.x f.y f.z pdf pdf_reverse for pairs of directions. wo of one row is used for all wi.
-Output bsdf_eval(nb::dict setup, Array wo, Array wi, bool importance, int mask, bool forward) {
+Result bsdf_eval(nb::dict setup, Array wo, Array wi, bool importance, int mask, bool forward) {
   const Setup s(setup);
   const size_t n = rows(wi, 3, "wi");
   const size_t m = rows(wo, 3, "wo");
@@ -238,7 +223,7 @@ Output bsdf_eval(nb::dict setup, Array wo, Array wi, bool importance, int mask, 
 }
 
 // Columns wi.xyz weight.xyz pdf pdf_reverse eta lobe; lobe 0 where there is no sample. u: (n, 3).
-Output bsdf_sample(nb::dict setup, Array wo, Array u, bool importance, int mask, bool forward) {
+Result bsdf_sample(nb::dict setup, Array wo, Array u, bool importance, int mask, bool forward) {
   const Setup s(setup);
   const size_t n = rows(u, 3, "u");
   const size_t m = rows(wo, 3, "wo");

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "bindings/bind.h"
+#include "bindings/table.h"
 #include "camera/camera.h"
 #include "render/accuracy.h"
 #include "render/session.h"
@@ -20,28 +21,8 @@ namespace nb = nanobind;
 namespace vernier {
 namespace {
 
-using Rows2 = nb::ndarray<const float, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
-using Rows3 = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Result = nb::ndarray<nb::numpy, float>;
-
-// A float array of (rows, columns) that Python owns.
-struct Table {
-  float* data;
-  size_t rows, columns;
-
-  Table(size_t rows_, size_t columns_)
-      : data(new float[rows_ * columns_]()), rows(rows_), columns(columns_) {}
-  float* row(size_t i) const { return data + i * columns; }
-  Result release() const {
-    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<float*>(p); });
-    return Result(data, {rows, columns}, owner);
-  }
-};
-
 Vec2f vec2(const Rows2& a, size_t i) { return {a(i, 0), a(i, 1)}; }
 Vec3f vec3(const Rows3& a, size_t i) { return {a(i, 0), a(i, 1), a(i, 2)}; }
-
-void write(Vec3f v, float* out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 // Columns: lens point relative to the camera (3), direction (3), cosine to the axis,
 // pdf_area, pdf_direction, importance.
@@ -49,7 +30,7 @@ Result camera_rays(nb::handle handle, const Rows2& raster, const Rows2& u_lens) 
   const auto scene = scene_of(handle);
   const Camera& camera = *scene->camera;
   const Table table(raster.shape(0), 10);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const CameraRay r = camera.generate_ray(vec2(raster, i), vec2(u_lens, i));
     float* out = table.row(i);
     write(camera.to_camera(r.ray.o - r.ray.d * r.start_distance - camera.position()), out);
@@ -69,7 +50,7 @@ Result camera_connections(nb::handle handle, const Rows3& points, const Rows2& u
   const auto scene = scene_of(handle);
   const Camera& camera = *scene->camera;
   const Table table(points.shape(0), 9);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const auto c =
         camera.connect(camera.position() + camera.from_camera(vec3(points, i)), vec2(u_lens, i));
     if (!c) {
@@ -117,7 +98,7 @@ FilterKind filter_kind(const std::string& name) {
 Result filter_offsets(const std::string& kind, float width, const Rows2& u) {
   const PixelFilter2d filter(filter_kind(kind), width);
   const Table table(u.shape(0), 2);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const Vec2f offset = filter.sample(vec2(u, i));
     table.row(i)[0] = offset.x, table.row(i)[1] = offset.y;
   }

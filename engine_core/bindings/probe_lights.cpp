@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bindings/bind.h"
+#include "bindings/table.h"
 #include "lights/environment.h"
 #include "lights/light_sampler.h"
 #include "math/distribution.h"
@@ -18,21 +19,6 @@ namespace {
 
 using Floats = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<const uint32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Result = nb::ndarray<nb::numpy, float>;
-
-// A float array of (rows, columns) that Python owns.
-struct Table {
-  float* data;
-  size_t rows, columns;
-
-  Table(size_t rows_, size_t columns_)
-      : data(new float[rows_ * columns_]()), rows(rows_), columns(columns_) {}
-  float* row(size_t i) const { return data + i * columns; }
-  Result release() const {
-    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<float*>(p); });
-    return Result(data, {rows, columns}, owner);
-  }
-};
 
 Vec3f vec3(const Floats& a, size_t i, size_t column = 0) {
   return {a(i, column), a(i, column + 1), a(i, column + 2)};
@@ -40,7 +26,6 @@ Vec3f vec3(const Floats& a, size_t i, size_t column = 0) {
 Vec2f vec2(const Floats& a, size_t i, size_t column = 0) {
   return {a(i, column), a(i, column + 1)};
 }
-void write(Vec3f v, float* out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 // Rows of world position (3), ng (3), ns (3), transmits.
 Receiver receiver(const Scene& scene, const Floats& a, size_t i) {
@@ -73,7 +58,7 @@ Result sample_lights(nb::handle handle, const Floats& receivers, const Floats& u
   const auto scene = scene_of(handle);
   const Table table(u.shape(0), kSampleColumns);
   const bool one = receivers.shape(0) == 1;
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     LightSample s;
     if (scene->lights->sample(receiver(*scene, receivers, one ? 0 : i), u(i, 0), vec2(u, i, 1),
                               s)) {
@@ -89,7 +74,7 @@ Result sample_given_lights(nb::handle handle, const Floats& receivers, const Num
   const auto scene = scene_of(handle);
   const Table table(u.shape(0), kSampleColumns);
   const bool one = receivers.shape(0) == 1;
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     LightSample s;
     if (scene->lights->sample_light(receiver(*scene, receivers, one ? 0 : i), lights(i), vec2(u, i),
                                     s)) {
@@ -160,7 +145,7 @@ Result meet_lights(nb::handle handle, const Floats& receivers, const Floats& dir
   const LightSampler& lights = *scene->lights;
   const Table table(directions.shape(0), 6);
   const bool one = receivers.shape(0) == 1;
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const Receiver from = receiver(*scene, receivers, one ? 0 : i);
     const Vec3f d = vec3(directions, i);
     Meeting sum;
@@ -202,7 +187,7 @@ Result selection_pdf(nb::handle handle, const Floats& receivers, const Numbers& 
   const auto scene = scene_of(handle);
   const Table table(lights.shape(0), 1);
   const bool one = receivers.shape(0) == 1;
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     table.row(i)[0] =
         scene->lights->pdf_selection(receiver(*scene, receivers, one ? 0 : i), lights(i));
   }
@@ -216,7 +201,7 @@ Result light_pdf(nb::handle handle, const Floats& receivers, const Numbers& ligh
   const auto scene = scene_of(handle);
   const Table table(lights.shape(0), 1);
   const bool one = receivers.shape(0) == 1;
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     table.row(i)[0] =
         scene->lights->pdf_light(receiver(*scene, receivers, one ? 0 : i), lights(i),
                                  vec3(samples, i), samples(i, 3), vec3(samples, i, 4));
@@ -230,9 +215,10 @@ Result light_pdf(nb::handle handle, const Floats& receivers, const Numbers& ligh
 Result sample_emission(nb::handle handle, const Floats& u) {
   const auto scene = scene_of(handle);
   const Table table(u.shape(0), 21);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     EmissionSample s;
-    if (!scene->lights->sample_emission(scene->lights->guide_by_power(), u(i, 0), vec2(u, i, 1), vec2(u, i, 3), s)) {
+    if (!scene->lights->sample_emission(scene->lights->guide_by_power(), u(i, 0), vec2(u, i, 1),
+                                        vec2(u, i, 3), s)) {
       continue;
     }
     float* out = table.row(i);
@@ -258,7 +244,7 @@ Result sample_emission(nb::handle handle, const Floats& u) {
 Result emission_pdf(nb::handle handle, const Numbers& lights, const Floats& samples) {
   const auto scene = scene_of(handle);
   const Table table(lights.shape(0), 3);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const EmissionPdf pdf =
         scene->lights->pdf_emission(lights(i), Vec3f{}, vec3(samples, i), vec3(samples, i, 3));
     float* out = table.row(i);
@@ -275,7 +261,7 @@ Result sample_grid(const Floats& weights, const Floats& u) {
                                  static_cast<int>(weights.shape(1)),
                                  static_cast<int>(weights.shape(0)));
   const Table table(u.shape(0), 3);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     float* out = table.row(i);
     const Vec2f p = grid.sample(vec2(u, i), out[2]);
     out[0] = p.x;
@@ -290,7 +276,7 @@ Result grid_pdf(const Floats& weights, const Floats& points) {
                                  static_cast<int>(weights.shape(1)),
                                  static_cast<int>(weights.shape(0)));
   const Table table(points.shape(0), 1);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     table.row(i)[0] = grid.pdf(vec2(points, i));
   }
   return table.release();
@@ -301,7 +287,7 @@ Result sample_alias(const Floats& weights, const Floats& u) {
   const std::vector<double> w(weights.data(), weights.data() + weights.size());
   const AliasTable alias(w);
   const Table table(u.shape(0), 2);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const uint32_t item = alias.sample(u(i, 0));
     table.row(i)[0] = static_cast<float>(item);
     table.row(i)[1] = alias.probability(item);
@@ -312,7 +298,7 @@ Result sample_alias(const Floats& weights, const Floats& u) {
 // Directions of points of the equal-area square (3 columns), and the points they map back to (2).
 Result octahedral_map(const Floats& points) {
   const Table table(points.shape(0), 5);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const Vec3f d = square_to_sphere_equal_area(vec2(points, i));
     const Vec2f back = sphere_to_square_equal_area(d);
     write(d, table.row(i));
@@ -336,7 +322,7 @@ Result environment_map(int resolution, const Floats& lobes, const Floats& u,
   });
   const bool sampling = directions.shape(0) == 0;
   const Table table(sampling ? u.shape(0) : directions.shape(0), 4);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     float* out = table.row(i);
     if (sampling) {
       write(map.sample_direction(vec2(u, i), out[3]), out);

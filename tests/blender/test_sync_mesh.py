@@ -93,6 +93,19 @@ def test_vertices_that_are_not_finite_drop_the_mesh(make: Any, export: Any) -> N
     ]
 
 
+@pytest.mark.parametrize("index", [4, -1, 2**31 - 1])
+def test_vertices_that_do_not_exist_drop_the_mesh(make: Any, export: Any, index: int) -> None:
+    make.object("Good", make.quad("Good"))
+    bad = make.quad("Bad")
+    bad.attributes[".corner_vert"].data[2].value = index
+    make.object("Broken", bad)
+    description, messages = export()
+    assert [mesh.name for mesh in description.meshes] == ["Good"]
+    assert messages == [
+        'object "Broken": its mesh has faces of vertices that do not exist; it is left out'
+    ]
+
+
 def test_empty_and_faceless_meshes_are_nothing(make: Any, export: Any) -> None:
     make.object("Empty", bpy.data.meshes.new("Empty"))
     wire = bpy.data.meshes.new("Wire")

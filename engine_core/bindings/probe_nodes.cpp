@@ -125,7 +125,9 @@ nb::dict traits_of(const ProbeMaterial& m) {
   d["is_emissive"] = t.is_emissive;
   d["emission_constant"] = t.emission_constant;
   d["maybe_transparent"] = t.maybe_transparent;
-  d["view_dependent"] = t.view_dependent;
+  d["view_dependent"] = t.side_dependent || t.direction_dependent || t.path_dependent;
+  d["side_dependent"] = t.side_dependent;
+  d["direction_dependent"] = t.direction_dependent;
   d["path_dependent"] = t.path_dependent;
   d["emission_view_dependent"] = t.emission_view_dependent;
   d["uses_bump"] = t.uses_bump;

@@ -1,6 +1,7 @@
 #include "integrators/bidirectional_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "integrators/bidirectional_tracer.h"
@@ -8,9 +9,9 @@
 namespace vernier {
 namespace {
 
-// Samples of the pilot: enough to tell the lights apart, a small part of any picture.
-constexpr uint32_t kPilotSamples = 4096;
-constexpr int kLog2PilotSamples = 12;
+// Samples of the pilot: this part of the render's, within these powers of two.
+constexpr double kPilotPart = 1.0 / 64.0;
+constexpr int kLeastLog2 = 10, kMostLog2 = 15;
 // A contribution is small where it is below this part of the picture's mean.
 constexpr double kSmallPart = 0.1;
 // The part of the choice of lights that goes by their power all the same: a pilot has not seen all.
@@ -20,16 +21,44 @@ constexpr float kAimed = 0.75f;
 // Of the points that the camera's paths visit, those that the aim covers.
 constexpr double kCovered = 0.98;
 
+// Lights that get a guide to their directions: no more than these, and each with at least this part
+// of the light that paths from lights carry.
+constexpr size_t kMostGuided = 16;
+constexpr double kLeastGuided = 0.01;
+// The part of their directions that follow it.
+constexpr float kGuided = 0.75f;
+
+using Cells = std::vector<float>;
+
 // Adds up what each light does for the picture.
 struct LightTally {
   std::vector<double> by_light;
   double total = 0.0;
+  // What paths that started at the light have found, by light and by cell of their direction.
+  std::vector<Cells> by_direction;
+  std::vector<double> from_light;
+  const EmissionSample* emission = nullptr;
+  size_t cell = 0;
+
+  explicit LightTally(uint32_t lights)
+      : by_light(lights), by_direction(lights), from_light(lights) {}
+
+  void emitted(const EmissionSample& e) {
+    emission = e.infinite || e.delta_direction ? nullptr : &e;
+    cell = DirectionGuide::cell(e.direction);
+  }
 
   void found(const FoundPath& path) {
     const auto amount = static_cast<double>(max_component(path.contribution));
     total += amount;
     if (path.light < by_light.size()) {
       by_light[path.light] += amount;
+    }
+    if (path.s >= 2 && emission != nullptr) {
+      Cells& cells = by_direction[path.light];
+      cells.resize(DirectionGuide::kResolution * DirectionGuide::kResolution);
+      cells[cell] += static_cast<float>(amount);
+      from_light[path.light] += amount;
     }
   }
 };
@@ -72,6 +101,49 @@ void choose_by(const LightTally& tally, EmissionGuide& guide) {
   guide.lights = AliasTable(weights);
 }
 
+// Each cell's value shared with its eight neighbours: what one path found tells of those beside it.
+Cells blurred(const Cells& cells) {
+  constexpr int n = DirectionGuide::kResolution;
+  Cells result(cells.size());
+  for (int y = 0; y < n; ++y) {
+    for (int x = 0; x < n; ++x) {
+      const float value = cells[static_cast<size_t>(y * n + x)] / 9.0f;
+      for (int dy = -1; dy <= 1 && value > 0.0f; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int to_x = std::clamp(x + dx, 0, n - 1), to_y = std::clamp(y + dy, 0, n - 1);
+          result[static_cast<size_t>(to_y * n + to_x)] += value;
+        }
+      }
+    }
+  }
+  return result;
+}
+
+// Directs the lights that matter most to where their paths were of use.
+void direct_by(const LightTally& tally, EmissionGuide& guide) {
+  std::vector<uint32_t> order;
+  double total = 0.0;
+  for (uint32_t light = 0; light < tally.from_light.size(); ++light) {
+    total += tally.from_light[light];
+    order.push_back(light);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return tally.from_light[a] > tally.from_light[b];
+  });
+  guide.directions_of.assign(order.size(), EmissionGuide::kNone);
+  for (const uint32_t light : order) {
+    if (guide.directions.size() == kMostGuided ||
+        !(tally.from_light[light] > kLeastGuided * total)) {
+      break;
+    }
+    guide.directions_of[light] = static_cast<uint32_t>(guide.directions.size());
+    guide.directions.push_back(
+        {PiecewiseConstant2D(blurred(tally.by_direction[light]), DirectionGuide::kResolution,
+                             DirectionGuide::kResolution),
+         kGuided});
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context, uint64_t seed,
@@ -82,13 +154,18 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
   RenderContext pilot = context;
   pilot.plan = plan.get();
   BidirectionalMemory memory;
-  LightTally tally{std::vector<double>(scene.lights->count())};
+  LightTally tally(scene.lights->count());
   NoPassSample no_passes;
   std::vector<Vec3f> points;
   const std::array<int32_t, 4>& crop = scene.film.crop;
-  for (uint32_t i = 0; i < kPilotSamples && !context.cancelled; ++i) {
+  const double samples = static_cast<double>(crop[2] - crop[0]) *
+                         static_cast<double>(crop[3] - crop[1]) * context.settings.samples;
+  const int log2_samples =
+      std::clamp(std::ilogb(std::max(samples * kPilotPart, 1.0)), kLeastLog2, kMostLog2);
+  const uint32_t count = 1u << log2_samples;
+  for (uint32_t i = 0; i < count && !context.cancelled; ++i) {
     // A sequence of its own: no sample of the picture sees these numbers.
-    const SobolSampler sampler(0, 0, i, kLog2PilotSamples, hash64(~seed));
+    const SobolSampler sampler(0, 0, i, log2_samples, hash64(~seed));
     const Vec2f u = sampler.get_2d(dimension(CameraDim::kFilter));
     const Vec2f raster{lerp(static_cast<float>(crop[0]), static_cast<float>(crop[2]), u.x),
                        lerp(static_cast<float>(crop[1]), static_cast<float>(crop[3]), u.y)};
@@ -102,8 +179,9 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
     }
   }
   if (tally.total > 0.0) {
-    plan->inverse_threshold = static_cast<float>(kPilotSamples / (kSmallPart * tally.total));
+    plan->inverse_threshold = static_cast<float>(count / (kSmallPart * tally.total));
     choose_by(tally, plan->guide);
+    direct_by(tally, plan->guide);
     aim_at(points, scene, plan->guide);
   }
   return plan;

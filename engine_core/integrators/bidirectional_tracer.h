@@ -94,6 +94,7 @@ class BidirectionalTracer {
     walk.flags = 0;
     walk.mask = kVisibleDiffuse;  // evenly visible scenes: all kinds of scattered rays are alike
     light_number_ = e.light;
+    observer_.emitted(e);
     LightVisitor visitor{*this, e};
     random_walk(walks_, walk, visitor);
   }
@@ -107,7 +108,7 @@ class BidirectionalTracer {
     PathVertex& vertex() { return tracer.light_.append(); }
 
     bool arrive(const Walk& walk, PathVertex& v) {
-      if (tracer.scene_.materials[v.point.material]->traits().path_dependent) {
+      if (v.traits->path_dependent) {
         tracer.light_.drop();
         return false;  // what it does to light depends on the camera's part of the path
       }
@@ -320,7 +321,7 @@ class BidirectionalTracer {
   bool arrive(const Walk& walk, PathVertex& v, const CameraVisitor& visitor) {
     const double cosine = static_cast<double>(abs_cosine(v.point, v.point.wo));
     v.other_reaches =
-        techniques_.light_paths && !scene_.materials[v.point.material]->traits().path_dependent &&
+        techniques_.light_paths && !v.traits->path_dependent &&
         (scene_.instances[v.point.instance].visibility & kVisibleScattered) == kVisibleScattered;
     if (walk.depth.total == 0) {
       const float distance = start_distance_ + walk.travelled;

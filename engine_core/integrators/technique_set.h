@@ -1,6 +1,7 @@
 // Which techniques a bidirectional method uses, and what one of them has found.
 #pragma once
 
+#include "lights/light_sample.h"
 #include "paths/subpath.h"
 #include "render/settings.h"
 #include "scene/requirements.h"
@@ -52,6 +53,7 @@ struct FoundPath {
 
 // An observer that looks away.
 struct NoObserver {
+  void emitted(const EmissionSample&) {}  // a light's sub-path begins
   void found(const FoundPath&) {}
 };
 

@@ -25,11 +25,25 @@ float emission_sine2(const Lamp& lamp) {
   return lamp.spreads ? square(lamp.tan_half_spread) / (1.0f + square(lamp.tan_half_spread)) : 1.0f;
 }
 
+// Solid-angle density of the directions of points, spots and areas by themselves.
+float direction_pdf(const Lamp& lamp, Vec3f d) {
+  if (lamp.kind != LightKind::kArea) {
+    // Beyond the cone that a spot's directions are drawn from.
+    const bool beyond = lamp.kind == LightKind::kSpot &&
+                        0.5f * length_squared(d - lamp.axis) > lamp.one_minus_cos_spread;
+    return beyond ? 0.0f : uniform_cone_pdf(emission_cone(lamp));
+  }
+  const float cosine = dot(lamp.axis, d);
+  const float sine2 = emission_sine2(lamp);
+  const bool inside =
+      cosine > 0.0f && (!lamp.spreads || length_squared(cross(lamp.axis, d)) <= sine2);
+  return inside ? cosine * kInvPi / sine2 : 0.0f;
+}
+
 // A spherical lamp's direction is drawn first, then a point of the disk across it, which is moved
 // to the sphere: on it that is cos / (pi r^2) by area. Of the product of the densities the
 // position's is given as 1 / (4 pi r^2) and the direction's as the rest.
-EmissionPdf sphere_pdf(const Lamp& lamp, float cosine) {
-  const float direction = uniform_cone_pdf(emission_cone(lamp));
+EmissionPdf sphere_pdf(const Lamp& lamp, float cosine, float direction) {
   if (lamp.delta) {
     return {1.0f, direction};
   }
@@ -45,11 +59,12 @@ float soft_lit_from(float b2, float r2) {
   return rest > 0.0f ? b2 / std::sqrt(rest) : kInfinity;
 }
 
-void emit_sphere(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, EmissionSample& out,
-                 ShapeSample& shape) {
-  const Frame frame(lamp.axis);
-  out.direction =
-      normalize(frame.to_world(square_to_uniform_cone(u_direction, emission_cone(lamp))));
+// Where a direction is given, it takes the place of the lamp's own choice.
+void emit_sphere(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, const Vec3f* given,
+                 EmissionSample& out, ShapeSample& shape) {
+  out.direction = given ? *given
+                        : normalize(Frame(lamp.axis).to_world(
+                              square_to_uniform_cone(u_direction, emission_cone(lamp))));
   out.p = lamp.center;
   out.n = out.direction;
   out.delta_position = lamp.delta;
@@ -70,8 +85,8 @@ void emit_sphere(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, Emission
   shape.factor = lamp.kind == LightKind::kSpot ? spot_attenuation(lamp, out.direction) : 1.0f;
 }
 
-void emit_area(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, EmissionSample& out,
-               ShapeSample& shape) {
+void emit_area(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, const Vec3f* given,
+               EmissionSample& out, ShapeSample& shape) {
   const Vec2f q = lamp.ellipse ? square_to_disk(u_position)
                                : Vec2f{2.0f * u_position.x - 1.0f, 2.0f * u_position.y - 1.0f};
   out.p = lamp.center + lamp.axis_u * (q.x * lamp.half_u) + lamp.axis_v * (q.y * lamp.half_v);
@@ -82,10 +97,15 @@ void emit_area(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, EmissionSa
     shape.factor = 1.0f;
     return;
   }
-  const Vec2f d = square_to_disk(u_direction) * std::sqrt(emission_sine2(lamp));
-  const Vec3f local{d.x, d.y, safe_sqrt(1.0f - d.x * d.x - d.y * d.y)};
-  out.direction = normalize(Frame(lamp.axis).to_world(local));
-  out.cosine = local.z;
+  if (given) {
+    out.direction = *given;
+    out.cosine = dot(lamp.axis, *given);
+  } else {
+    const Vec2f d = square_to_disk(u_direction) * std::sqrt(emission_sine2(lamp));
+    const Vec3f local{d.x, d.y, safe_sqrt(1.0f - d.x * d.x - d.y * d.y)};
+    out.direction = normalize(Frame(lamp.axis).to_world(local));
+    out.cosine = local.z;
+  }
   shape.factor = area_lamp_factor(lamp, -out.direction);
 }
 
@@ -122,28 +142,15 @@ void emit_from_afar(const LightTable& table, const EmissionGuide& guide, Vec2f u
   out.p = center + across.s * disk.x + across.t * disk.y - d * before;
 }
 
-EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n, Vec3f d) {
+// `direction` is the density of the direction d, where the lamp has one.
+EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n, Vec3f d,
+                              float direction) {
   switch (lamp.kind) {
     case LightKind::kPoint:
-    case LightKind::kSpot: {
-      EmissionPdf pdf = sphere_pdf(lamp, lamp.soft ? 1.0f : std::max(dot(n, d), 0.0f));
-      // Beyond the cone that a spot's directions are drawn from.
-      if (lamp.kind == LightKind::kSpot &&
-          0.5f * length_squared(d - lamp.axis) > lamp.one_minus_cos_spread) {
-        pdf.direction = 0.0f;
-      }
-      return pdf;
-    }
-    case LightKind::kArea: {
-      if (lamp.delta) {
-        return {1.0f / lamp.area, 1.0f};
-      }
-      const float cosine = dot(lamp.axis, d);
-      const float sine2 = emission_sine2(lamp);
-      const bool inside =
-          cosine > 0.0f && (!lamp.spreads || length_squared(cross(lamp.axis, d)) <= sine2);
-      return {1.0f / lamp.area, inside ? cosine * kInvPi / sine2 : 0.0f};
-    }
+    case LightKind::kSpot:
+      return sphere_pdf(lamp, lamp.soft ? 1.0f : std::max(dot(n, d), 0.0f), direction);
+    case LightKind::kArea:
+      return {1.0f / lamp.area, lamp.delta ? 1.0f : direction};
     case LightKind::kSun:
       return {disk_density(table.radius), lamp.delta               ? 1.0f
                                           : sun_contains(lamp, -d) ? pdf_sun(lamp)
@@ -153,17 +160,12 @@ EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n
 }
 
 // Density of a lamp's rays, by area across them and solid angle (where one of the two is a delta:
-// by the other alone). The cosines of position and direction cancel.
+// by the other alone). `direction` as above. The cosine at a sphere cancels.
 float lamp_ray_pdf(const LightTable& table, const EmissionGuide& guide, const Lamp& lamp, Vec3f p,
-                   Vec3f d) {
+                   Vec3f d, float direction) {
   switch (lamp.kind) {
     case LightKind::kPoint:
     case LightKind::kSpot: {
-      if (lamp.kind == LightKind::kSpot &&
-          0.5f * length_squared(d - lamp.axis) > lamp.one_minus_cos_spread) {
-        return 0.0f;
-      }
-      const float direction = uniform_cone_pdf(emission_cone(lamp));
       if (lamp.delta) {
         return direction;
       }
@@ -172,18 +174,19 @@ float lamp_ray_pdf(const LightTable& table, const EmissionGuide& guide, const La
       return outside ? direction * bounded_density(kInvPi / square(lamp.radius)) : 0.0f;
     }
     case LightKind::kArea: {
-      if (lamp.delta) {
-        return 1.0f / lamp.area;
-      }
-      const float sine2 = emission_sine2(lamp);
-      const bool inside = dot(lamp.axis, d) > 0.0f &&
-                          (!lamp.spreads || length_squared(cross(lamp.axis, d)) <= sine2);
-      return inside ? kInvPi / sine2 / lamp.area : 0.0f;
+      const float cosine = dot(lamp.axis, d);
+      return lamp.delta ? 1.0f / lamp.area
+                        : (cosine > 0.0f ? direction / (cosine * lamp.area) : 0.0f);
     }
     case LightKind::kSun:
       return disk_density(table, guide, p, d) * (lamp.delta ? 1.0f : pdf_sun(lamp));
   }
   return 0.0f;
+}
+
+// Density of a direction, of which the guide makes a part.
+float guided(const DirectionGuide* guide, float by_itself, Vec3f d) {
+  return guide ? lerp(by_itself, guide->pdf(d), guide->share) : by_itself;
 }
 
 }  // namespace
@@ -203,7 +206,8 @@ EmissionPdf LightSampler::pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f d
   if (table.is_environment(light)) {
     return {disk_density(table.radius), table.environment.pdf_direction(-direction)};
   }
-  return lamp_emission_pdf(table, table.lamp(light), n, direction);
+  const Lamp& lamp = table.lamp(light);
+  return lamp_emission_pdf(table, lamp, n, direction, direction_pdf(lamp, direction));
 }
 
 float LightSampler::pdf_emission_ray(const EmissionGuide& guide, uint32_t light, Vec3f p,
@@ -213,14 +217,22 @@ float LightSampler::pdf_emission_ray(const EmissionGuide& guide, uint32_t light,
   if (!(selection > 0.0f)) {
     return 0.0f;
   }
+  const DirectionGuide* aim = guide.direction(light);
   if (table.is_triangle(light)) {
-    return selection * 0.5f * kInvPi * bounded_density(1.0f / table.triangles[light].area);
+    const TriangleLight& triangle = table.triangles[light];
+    const float cosine = std::abs(dot(triangle.n, direction));
+    const float density =
+        aim ? guided(aim, 0.5f * kInvPi * cosine, direction) / std::max(cosine, kUnitRoundoff)
+            : 0.5f * kInvPi;
+    return selection * density * bounded_density(1.0f / triangle.area);
   }
   if (table.is_environment(light)) {
     return selection * disk_density(table, guide, p, direction) *
            table.environment.pdf_direction(-direction);
   }
-  return selection * lamp_ray_pdf(table, guide, table.lamp(light), p, direction);
+  const Lamp& lamp = table.lamp(light);
+  return selection * lamp_ray_pdf(table, guide, lamp, p, direction,
+                                  guided(aim, direction_pdf(lamp, direction), direction));
 }
 
 bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, Vec2f u_position,
@@ -232,10 +244,24 @@ bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, V
   out = EmissionSample{};
   out.light = guide.lights.sample(u_select);
   out.pdf_selection = guide.lights.probability(out.light);
+  const DirectionGuide* aim = guide.direction(out.light);
+  Vec3f aimed;
+  const Vec3f* given = nullptr;
+  if (aim) {
+    if (u_direction.x < aim->share) {
+      u_direction.x /= aim->share;
+      aimed = aim->sample(u_direction);
+      given = &aimed;
+    } else {
+      u_direction.x =
+          std::min((u_direction.x - aim->share) / (1.0f - aim->share), kOneMinusEpsilon);
+    }
+  }
   EmissionPdf pdf;
   if (table.is_triangle(out.light)) {
-    emit_triangle(out.light, u_position, u_direction, out);
+    emit_triangle(out.light, u_position, u_direction, given, out);
     pdf = pdf_emission(out.light, out.p, out.n, out.direction);
+    pdf.direction = guided(aim, pdf.direction, out.direction);
   } else if (table.is_environment(out.light)) {
     emit_from_afar(table, guide, u_position,
                    -table.environment.sample_direction(u_direction, pdf.direction), out);
@@ -248,10 +274,10 @@ bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, V
     switch (lamp.kind) {
       case LightKind::kPoint:
       case LightKind::kSpot:
-        emit_sphere(lamp, u_position, u_direction, out, shape);
+        emit_sphere(lamp, u_position, u_direction, given, out, shape);
         break;
       case LightKind::kArea:
-        emit_area(lamp, u_position, u_direction, out, shape);
+        emit_area(lamp, u_position, u_direction, given, out, shape);
         break;
       case LightKind::kSun:
         sample_sun(lamp, u_direction, shape);
@@ -266,7 +292,8 @@ bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, V
     out.p_error = gamma(8) * (abs(lamp.center) + abs(out.p - lamp.center));
     out.visibility = lamp.visibility;
     out.cast_shadow = lamp.cast_shadow;
-    pdf = lamp_emission_pdf(table, lamp, out.n, out.direction);
+    pdf = lamp_emission_pdf(table, lamp, out.n, out.direction,
+                            guided(aim, direction_pdf(lamp, out.direction), out.direction));
     if (out.infinite) {
       pdf.position = disk_density(table, guide, out.p, out.direction);
     }
@@ -278,17 +305,23 @@ bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, V
 }
 
 void LightSampler::emit_triangle(uint32_t light, Vec2f u_position, Vec2f u_direction,
-                                 EmissionSample& out) const {
+                                 const Vec3f* given, EmissionSample& out) const {
   const TriangleLight& triangle = table_->triangles[light];
   const Vec2f b = square_to_triangle(u_position);
-  // The lower half of u.x is one side, the upper the other.
-  const bool back = u_direction.x >= 0.5f;
-  u_direction.x = std::min(2.0f * u_direction.x - (back ? 1.0f : 0.0f), kOneMinusEpsilon);
-  const Vec3f normal = normalize(cross(triangle.e1, triangle.e2));
-  out.n = back ? -normal : normal;
-  const Vec3f local = square_to_cosine_hemisphere(u_direction);
-  out.direction = normalize(Frame(out.n).to_world(local));
-  out.cosine = local.z;
+  if (given) {
+    const float side = dot(triangle.n, *given);
+    out.n = side < 0.0f ? -triangle.n : triangle.n;
+    out.direction = *given;
+    out.cosine = std::abs(side);
+  } else {
+    // The lower half of u.x is one side, the upper the other.
+    const bool back = u_direction.x >= 0.5f;
+    u_direction.x = std::min(2.0f * u_direction.x - (back ? 1.0f : 0.0f), kOneMinusEpsilon);
+    out.n = back ? -triangle.n : triangle.n;
+    const Vec3f local = square_to_cosine_hemisphere(u_direction);
+    out.direction = normalize(Frame(out.n).to_world(local));
+    out.cosine = local.z;
+  }
   out.p = triangle.v0 + triangle.e1 * b.x + triangle.e2 * b.y;
   out.p_error = gamma(8) * (abs(triangle.v0) + abs(triangle.e1) + abs(triangle.e2));
   out.instance = triangle.instance;

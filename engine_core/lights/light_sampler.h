@@ -141,7 +141,7 @@ class LightSampler {
   bool sample_triangle(uint32_t light, const Receiver& from, Vec2f u, LightSample& out) const;
   bool sample_lamp(uint32_t light, const Receiver& from, Vec2f u, LightSample& out) const;
   bool sample_environment(const Receiver& from, Vec2f u, LightSample& out) const;
-  void emit_triangle(uint32_t light, Vec2f u_position, Vec2f u_direction,
+  void emit_triangle(uint32_t light, Vec2f u_position, Vec2f u_direction, const Vec3f* given,
                      EmissionSample& out) const;
   Color lamp_radiance(const Lamp& lamp, const ShapeSample& shape) const;
   float pdf_lamp(const Receiver& from, uint32_t light, Vec3f wi, float distance) const;

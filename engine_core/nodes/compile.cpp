@@ -224,10 +224,15 @@ std::unique_ptr<Material> compile_material(const GraphDesc& desc, std::string_vi
   traits.is_constant = code->surface.program.code.empty();
   traits.is_emissive = !code->emission.list.closures.empty();
   traits.maybe_transparent = !code->transparency.list.closures.empty();
-  traits.view_dependent = ProgramBuilder::any(code->surface.program, &OpTraits::view_dependent);
-  traits.path_dependent = ProgramBuilder::any(code->surface.program, &OpTraits::path_dependent);
-  traits.emission_view_dependent =
-      ProgramBuilder::any(code->emission.program, &OpTraits::view_dependent);
+  const auto reads = [](const ProgramPart& part, bool OpTraits::* trait) {
+    return ProgramBuilder::any(part.program, trait);
+  };
+  traits.side_dependent = reads(code->surface, &OpTraits::side_dependent);
+  traits.direction_dependent = reads(code->surface, &OpTraits::direction_dependent);
+  traits.path_dependent = reads(code->surface, &OpTraits::path_dependent);
+  traits.emission_view_dependent = reads(code->emission, &OpTraits::side_dependent) ||
+                                   reads(code->emission, &OpTraits::direction_dependent) ||
+                                   reads(code->emission, &OpTraits::path_dependent);
   for (const PendingClosure& closure : closures) {
     traits.lobes |= compiler.lobes(closure);
     traits.uses_bump = traits.uses_bump || closure.normal.exists();

@@ -57,18 +57,20 @@ OpTraits op_traits(Op op, uint8_t variant) {
   switch (op) {
     case Op::kGeometry: {
       const auto value = static_cast<GeometryValue>(variant);
-      // Sides of the surface follow the viewer, but are no more than that: two values.
-      return {true, value == GeometryValue::kIncoming || value == GeometryValue::kReflection ||
-                        value == GeometryValue::kBackfacing || value == GeometryValue::kNormal ||
-                        value == GeometryValue::kTrueNormal ||
-                        value == GeometryValue::kObjectNormal};
+      OpTraits traits{.reads_point = true};
+      traits.side_dependent =
+          value == GeometryValue::kBackfacing || value == GeometryValue::kNormal ||
+          value == GeometryValue::kTrueNormal || value == GeometryValue::kObjectNormal;
+      traits.direction_dependent =
+          value == GeometryValue::kIncoming || value == GeometryValue::kReflection;
+      return traits;
     }
     case Op::kLightPath:
     case Op::kLightFalloff:
-      return {true, true, true};
+      return {.reads_point = true, .path_dependent = true};
     case Op::kFresnel:
     case Op::kLayerWeight:
-      return {true, true};
+      return {.reads_point = true, .direction_dependent = true};
     case Op::kAttribute:
     case Op::kObjectInfo:
     case Op::kCamera:
@@ -77,7 +79,7 @@ OpTraits op_traits(Op op, uint8_t variant) {
     case Op::kBump:
     case Op::kTangent:
     case Op::kVectorTransform:
-      return {true, false};
+      return {.reads_point = true};
     default:
       return {};
   }

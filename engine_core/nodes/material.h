@@ -57,13 +57,15 @@ class NodeContext {
 
 // What is known of a material before any point is shaded.
 struct MaterialTraits {
-  bool is_constant = true;               // evaluate() runs no program
-  bool is_emissive = false;              // emission() may be non-zero
-  bool emission_constant = true;         // emission() is average_emission everywhere
-  bool maybe_transparent = false;        // transparency() may be non-zero
-  bool view_dependent = false;           // a value depends on wo, ray_flags, ray_length or depth
-  bool path_dependent = false;           // of these, on all but wo: what the path has been through
-  bool emission_view_dependent = false;  // the same, for emission() alone
+  bool is_constant = true;         // evaluate() runs no program
+  bool is_emissive = false;        // emission() may be non-zero
+  bool emission_constant = true;   // emission() is average_emission everywhere
+  bool maybe_transparent = false;  // transparency() may be non-zero
+  // What closures and values depend on besides the point:
+  bool side_dependent = false;           // the side of the surface that it is seen from
+  bool direction_dependent = false;      // more of the direction wo
+  bool path_dependent = false;           // ray_flags, ray_length or depth: the path so far
+  bool emission_view_dependent = false;  // any of these, for emission() alone
   bool uses_bump = false;                // normals other than SurfacePoint::ns occur
   uint8_t lobes = 0;                     // union of the LobeBits that can occur
   Color average_emission;                // radiance; exact when emission_constant, else an estimate

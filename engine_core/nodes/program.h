@@ -135,9 +135,10 @@ class Arguments {
 
 // What a family of instructions reads beside its operands.
 struct OpTraits {
-  bool reads_point = false;     // anything of the surface point: never folded
-  bool view_dependent = false;  // wo, ray flags, ray length or depth
-  bool path_dependent = false;  // of these, all but wo
+  bool reads_point = false;          // anything of the surface point: never folded
+  bool side_dependent = false;       // the side of the surface that wo is on
+  bool direction_dependent = false;  // more of wo than that
+  bool path_dependent = false;       // ray flags, ray length or depth
 };
 OpTraits op_traits(Op op, uint8_t variant);
 

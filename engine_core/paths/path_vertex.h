@@ -20,8 +20,8 @@ struct PathVertex {
   MisState mis;
   uint32_t parent = kNoIndex;  // the vertex before, in its Subpath; kNoIndex: the sub-path's start
   Transport mode = Transport::kRadiance;
-  bool view_dependent = false;  // the closures depend on the viewer: the other side sees others
-  bool other_reaches = true;    // sub-paths from the other side may contain this vertex
+  const MaterialTraits* traits = nullptr;
+  bool other_reaches = true;  // sub-paths from the other side may contain this vertex
 };
 
 // |cos| with the geometric normal. At least its rounding error: densities are divided by it.
@@ -48,12 +48,18 @@ inline SurfacePoint seen_from(const SurfacePoint& point, Vec3f w) {
   return other;
 }
 
+// Whether closures as seen from wi are others than those that are seen from wo.
+inline bool differs_from(const PathVertex& v, Vec3f wi) {
+  return v.traits->direction_dependent || v.traits->path_dependent ||
+         (v.traits->side_dependent && dot(v.point.ng, wi) < 0.0f);
+}
+
 // Scattering between point.wo and wi, smooth lobes only; f, pdf and pdf_reverse as Bsdf has them
 // for the vertex's mode. Closures that depend on the viewer are those that the camera's side sees,
 // and each side's density is of the closures that it sees itself.
 inline BsdfEval scatter_eval(const Scene& scene, const PathVertex& v, Vec3f wi,
                              uint8_t mask = kLobeAny) {
-  if (!v.view_dependent) {
+  if (!differs_from(v, wi)) {
     return v.bsdf.eval(wi, v.mode, mask);
   }
   Bsdf other;
@@ -107,7 +113,7 @@ inline bool see_from_other_side(const Scene& scene, const PathVertex& v, BsdfSam
 inline std::optional<BsdfSample> scatter_sample(const Scene& scene, const PathVertex& v,
                                                 float u_lobe, Vec2f u) {
   std::optional<BsdfSample> sample = v.bsdf.sample(u_lobe, u, v.mode);
-  if (sample && v.view_dependent && !see_from_other_side(scene, v, *sample)) {
+  if (sample && differs_from(v, sample->wi) && !see_from_other_side(scene, v, *sample)) {
     return std::nullopt;
   }
   return sample;

@@ -74,8 +74,7 @@ void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
     evaluate_bsdf(scene, v.point, v.bsdf);
     v.beta = walk.beta;
     v.mode = walk.mode;
-    const MaterialTraits& traits = scene.materials[v.point.material]->traits();
-    v.view_dependent = traits.view_dependent;
+    v.traits = &scene.materials[v.point.material]->traits();
     if (!visitor.arrive(walk, v)) {
       return;
     }

@@ -56,7 +56,7 @@ class Environment:
     def say(self, text: str) -> None:
         print(f"{self.command}: {text}", file=sys.stderr, flush=True)
 
-    def ensure(self, extras: list[str]) -> None:
+    def ensure(self, extras: list[str], with_core: bool = True) -> None:
         """Brings the environment up to date with the given extras of the project.
 
         Raises ToolError when a step fails. Calls at the same time wait for one another.
@@ -65,7 +65,13 @@ class Environment:
             if not self.runs():
                 self.create()
             self.install_requirements(extras)
-            self.build_core()
+            if with_core:
+                self.build_core()
+
+    @property
+    def build_folder(self) -> Path:
+        """Where the core is compiled for this environment."""
+        return self.root / "build" / self.folder.name.lstrip(".")
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -138,17 +144,30 @@ class Environment:
         compiler = find_compiler(self.folder)
         self.say(f"building the core with {compiler}")
         start = time.monotonic()
-        build_folder = self.root / "build" / self.folder.name.lstrip(".")
-        arguments = ["install", "--no-deps", "--no-build-isolation", "--force-reinstall"]
-        arguments += [f"--config-settings=build-dir={build_folder}", str(self.root)]
+        self.run_backend(["install", "--force-reinstall"], compiler)
+        stamp.write_text(state)
+        self.say(f"built in {time.monotonic() - start:.0f} s")
+
+    def build_wheel(self, into: Path, options: list[str]) -> None:
+        """Builds the core's wheel for this environment's Python into the folder `into`.
+
+        `options` are settings of the build backend, as KEY=VALUE. Raises ToolError.
+        """
+        with self.locked():
+            settings = [f"--config-settings={option}" for option in options]
+            compiler = find_compiler(self.folder)
+            self.run_backend(["wheel", f"--wheel-dir={into}", *settings], compiler)
+
+    def run_backend(self, command: list[str], compiler: str) -> None:
+        """Lets pip install the project or build its wheel, compiled in `build_folder`."""
+        arguments = [*command, "--no-deps", "--no-build-isolation"]
+        arguments += [f"--config-settings=build-dir={self.build_folder}", str(self.root)]
         variables = {"CXX": compiler, "CC": c_compiler(compiler)}
         # Without this, a build by make would use one processor alone.
         variables["CMAKE_BUILD_PARALLEL_LEVEL"] = os.environ.get(
             "CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1)
         )
         self.pip(arguments, "building the core", variables)
-        stamp.write_text(state)
-        self.say(f"built in {time.monotonic() - start:.0f} s")
 
     def pip(self, arguments: list[str], what: str, variables: dict[str, str] | None = None) -> None:
         """Runs the environment's pip, its output in the log; raises ToolError when it fails."""
@@ -238,10 +257,12 @@ def main() -> int:
     parser.add_argument("--name", required=True)
     parser.add_argument("--root", type=Path, required=True)
     parser.add_argument("--environment", type=Path, required=True)
+    parser.add_argument("--no-core", action="store_true")
     parser.add_argument("extras", nargs="*")
     options = parser.parse_args()
     try:
-        Environment(options.root, options.environment, options.name).ensure(options.extras)
+        environment = Environment(options.root, options.environment, options.name)
+        environment.ensure(options.extras, with_core=not options.no_core)
     except ToolError as error:
         report(options.name, error)
         return 2

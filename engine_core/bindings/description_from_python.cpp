@@ -18,10 +18,13 @@ using std::string;
 
 class Reader {
  public:
+  explicit Reader(bool with_identities) : with_identities_(with_identities) {}
+
   BorrowedDescription read(nb::handle source) {
     SceneDescription& d = result_.description;
     for (nb::handle mesh : source.attr("meshes")) {
       d.meshes.push_back(read_mesh(mesh));
+      d.meshes.back().identity = with_identities_ ? mesh.ptr() : nullptr;
     }
     std::swap(result_.mesh_owners, result_.owners);
     d.material_sets = nb::cast<std::vector<std::vector<int32_t>>>(source.attr("material_sets"));
@@ -36,6 +39,7 @@ class Reader {
     std::swap(result_.image_owners, result_.owners);
     for (nb::handle image : source.attr("images")) {
       d.images.push_back(read_image(image));
+      d.images.back().identity = with_identities_ ? image.ptr() : nullptr;
     }
     std::swap(result_.image_owners, result_.owners);
     for (nb::handle light : source.attr("lights")) {
@@ -46,6 +50,41 @@ class Reader {
     d.camera = read_camera(source.attr("camera"));
     d.film = read_film(source.attr("film"));
     return std::move(result_);
+  }
+
+  CameraDesc read_camera(nb::handle o) {
+    CameraDesc c;
+    c.kind =
+        text(o, "kind") == "ORTHOGRAPHIC" ? CameraKind::kOrthographic : CameraKind::kPerspective;
+    c.transform = transform(o);
+    c.window = reals<4>(o, "window");
+    c.clip_start = real(o, "clip_start");
+    c.clip_end = real(o, "clip_end");
+    c.aperture_radius = real(o, "aperture_radius");
+    c.focus_distance = real(o, "focus_distance");
+    c.blades = whole(o, "blades");
+    c.blade_rotation = real(o, "blade_rotation");
+    c.aperture_ratio = real(o, "aperture_ratio");
+    return c;
+  }
+
+  static FilmDesc read_film(nb::handle o) {
+    FilmDesc f;
+    f.width = whole(o, "width");
+    f.height = whole(o, "height");
+    size_t i = 0;
+    for (nb::handle v : o.attr("crop")) {
+      f.crop.at(i++) = nb::cast<int32_t>(v);
+    }
+    const string filter = text(o, "filter");
+    f.filter = filter == "BOX"        ? FilterKind::kBox
+               : filter == "GAUSSIAN" ? FilterKind::kGaussian
+                                      : FilterKind::kBlackmanHarris;
+    f.filter_width = real(o, "filter_width");
+    f.exposure = real(o, "exposure");
+    f.pass_alpha_threshold = real(o, "pass_alpha_threshold");
+    f.transparent = truth(o, "transparent");
+    return f;
   }
 
  private:
@@ -187,48 +226,18 @@ class Reader {
     return l;
   }
 
-  CameraDesc read_camera(nb::handle o) {
-    CameraDesc c;
-    c.kind =
-        text(o, "kind") == "ORTHOGRAPHIC" ? CameraKind::kOrthographic : CameraKind::kPerspective;
-    c.transform = transform(o);
-    c.window = reals<4>(o, "window");
-    c.clip_start = real(o, "clip_start");
-    c.clip_end = real(o, "clip_end");
-    c.aperture_radius = real(o, "aperture_radius");
-    c.focus_distance = real(o, "focus_distance");
-    c.blades = whole(o, "blades");
-    c.blade_rotation = real(o, "blade_rotation");
-    c.aperture_ratio = real(o, "aperture_ratio");
-    return c;
-  }
-
-  static FilmDesc read_film(nb::handle o) {
-    FilmDesc f;
-    f.width = whole(o, "width");
-    f.height = whole(o, "height");
-    size_t i = 0;
-    for (nb::handle v : o.attr("crop")) {
-      f.crop.at(i++) = nb::cast<int32_t>(v);
-    }
-    const string filter = text(o, "filter");
-    f.filter = filter == "BOX"        ? FilterKind::kBox
-               : filter == "GAUSSIAN" ? FilterKind::kGaussian
-                                      : FilterKind::kBlackmanHarris;
-    f.filter_width = real(o, "filter_width");
-    f.exposure = real(o, "exposure");
-    f.pass_alpha_threshold = real(o, "pass_alpha_threshold");
-    f.transparent = truth(o, "transparent");
-    return f;
-  }
-
+  bool with_identities_;
   BorrowedDescription result_;
 };
 
 }  // namespace
 
-BorrowedDescription description_from_python(nb::handle description) {
-  return Reader().read(description);
+BorrowedDescription description_from_python(nb::handle description, bool with_identities) {
+  return Reader(with_identities).read(description);
 }
+
+CameraDesc camera_from_python(nb::handle camera) { return Reader(false).read_camera(camera); }
+
+FilmDesc film_from_python(nb::handle film) { return Reader::read_film(film); }
 
 }  // namespace vernier

@@ -40,7 +40,7 @@ void write(Vec3f v, float* out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 // A material by itself, with the images and names it refers to.
 struct ProbeMaterial {
-  std::vector<std::unique_ptr<ImageTexture>> images;
+  std::vector<std::shared_ptr<const ImageTexture>> images;
   std::vector<std::string> attribute_names, warnings;
   std::unique_ptr<Material> material;
 };

@@ -19,6 +19,9 @@ namespace {
 // Shared ownership of an immutable scene. (nanobind holds no pointers to const.)
 struct SceneHandle {
   std::shared_ptr<const Scene> scene;
+  // The Python meshes and images that it was compiled from, by which a later compilation knows them
+  // again; empty unless it was compiled interactively.
+  std::vector<nb::object> sources;
 };
 
 nb::dict requirements(const SceneHandle& handle) {
@@ -73,11 +76,16 @@ class CancelPoll {
 };
 
 SceneHandle compile_scene(nb::handle description, int threads, bool keep_uv,
-                          const nb::object& cancelled, bool consume) {
-  BorrowedDescription borrowed = description_from_python(description);
+                          const nb::object& cancelled, bool consume, bool interactive,
+                          const SceneHandle* previous) {
+  BorrowedDescription borrowed = description_from_python(description, interactive);
   CompileOptions options;
   options.threads = threads;
   options.keep_uv = keep_uv;
+  options.interactive = interactive;
+  if (previous != nullptr) {
+    options.previous = previous->scene;
+  }
   CancelPoll poll(cancelled);
   if (!cancelled.is_none()) {
     options.cancelled = [&poll] { return poll(); };
@@ -92,8 +100,33 @@ SceneHandle compile_scene(nb::handle description, int threads, bool keep_uv,
       malloc_trim(0);  // else what was freed stays with the process
     };
   }
+  SceneHandle result;
+  if (interactive) {
+    for (const char* name : {"meshes", "images"}) {
+      for (nb::handle source : description.attr(name)) {
+        result.sources.push_back(nb::borrow(source));
+      }
+    }
+  }
   const nb::gil_scoped_release release;
-  return {compile(borrowed.description, options)};
+  result.scene = compile(borrowed.description, options);
+  return result;
+}
+
+SceneHandle view_scene(const SceneHandle& handle, nb::handle camera, nb::handle film) {
+  return {with_view(handle.scene, camera_from_python(camera), film_from_python(film)),
+          handle.sources};
+}
+
+nb::dict compiled_parts(const SceneHandle& handle) {
+  const CompiledParts& parts = handle.scene->compiled;
+  nb::dict d;
+  d["geometry"] = parts.geometry;
+  d["lights"] = parts.lights;
+  d["materials"] = parts.materials;
+  d["images"] = parts.images;
+  d["changed"] = parts.changed;
+  return d;
 }
 
 }  // namespace
@@ -108,6 +141,10 @@ void bind_scene(nb::module_& m) {
           "warnings", [](const SceneHandle& s) { return s.scene->warnings; },
           "What was replaced or left out, a sentence each.")
       .def_prop_ro("requirements", &requirements, "What the scene needs of the renderer.")
+      .def_prop_ro("compiled", &compiled_parts,
+                   "What was made for it, as opposed to shared with the scene before.")
+      .def("with_view", &view_scene, nb::arg("camera"), nb::arg("film"),
+           "The same scene through another (valid) camera onto another film; all else is shared.")
       .def_prop_ro(
           "width",
           [](const SceneHandle& s) { return s.scene->film.crop[2] - s.scene->film.crop[0]; })
@@ -115,7 +152,8 @@ void bind_scene(nb::module_& m) {
         return s.scene->film.crop[3] - s.scene->film.crop[1];
       });
   m.def("compile", &compile_scene, nb::arg("description"), nb::arg("threads"), nb::arg("keep_uv"),
-        nb::arg("cancelled").none(), nb::arg("consume"), "Compiles a validated description.");
+        nb::arg("cancelled").none(), nb::arg("consume"), nb::arg("interactive"),
+        nb::arg("previous").none(), "Compiles a validated description.");
 }
 
 }  // namespace vernier

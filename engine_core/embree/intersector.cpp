@@ -30,7 +30,7 @@ void remember_error(void* user, int code, const char* message) {
 }  // namespace
 
 Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-                         std::span<const uint32_t> masks, int threads,
+                         std::span<const uint32_t> masks, int threads, bool fast_build,
                          const std::function<bool()>& cancelled)
     : lib_(embree::library()) {
   const std::string config = threads > 0 ? "threads=" + std::to_string(threads) : "";
@@ -48,7 +48,7 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
     scenes_.push_back(scene);
     // Robust traversal: no ray slips between two triangles that share an edge.
     lib_.rtcSetSceneFlags(scene, embree::kSceneRobust);
-    lib_.rtcSetSceneBuildQuality(scene, embree::kBuildHigh);
+    lib_.rtcSetSceneBuildQuality(scene, fast_build ? embree::kBuildMedium : embree::kBuildHigh);
     lib_.rtcSetSceneProgressMonitorFunction(scene, poll_progress,
                                             const_cast<std::function<bool()>*>(&cancelled));
     return scene;

@@ -42,10 +42,12 @@ enum RayMask : uint32_t {
 class Intersector {
  public:
   // `masks` gives the ray mask of each instance. The meshes' vertex and index arrays are shared
-  // with Embree: they must outlive this object, unchanged. `cancelled` is polled while building.
+  // with Embree: they must outlive this object, unchanged. `fast_build`: hierarchies that are built
+  // sooner and traversed slower. `cancelled` is polled while building.
   // Throws std::runtime_error when Embree reports an error (out of memory) or on cancellation.
   Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-              std::span<const uint32_t> masks, int threads, const std::function<bool()>& cancelled);
+              std::span<const uint32_t> masks, int threads, bool fast_build,
+              const std::function<bool()>& cancelled);
   ~Intersector();
   Intersector(const Intersector&) = delete;
   Intersector& operator=(const Intersector&) = delete;

@@ -53,6 +53,8 @@ struct Transform {
            d(2) * (d(4) * d(9) - d(5) * d(8));
   }
   bool is_identity() const { return m == Transform{}.m; }
+
+  bool operator==(const Transform&) const = default;
 };
 
 // The inverse, computed in float64. A singular matrix gives all zeros: callers test determinant().

@@ -38,7 +38,7 @@ auto with_values(const ProgramPart& part, const ProgramData& data, const Surface
 
 }  // namespace
 
-NodeContext::NodeContext(std::span<const std::unique_ptr<ImageTexture>> images,
+NodeContext::NodeContext(std::span<const std::shared_ptr<const ImageTexture>> images,
                          std::vector<std::string>& attribute_names,
                          std::vector<std::string>& warnings)
     : images_(images), attribute_names_(attribute_names), warnings_(warnings) {

@@ -37,7 +37,7 @@ class NodeContext {
  public:
   // `images` by index of the description's images; they must outlive the compiled materials.
   // `attribute_names` and `warnings` are appended to.
-  NodeContext(std::span<const std::unique_ptr<ImageTexture>> images,
+  NodeContext(std::span<const std::shared_ptr<const ImageTexture>> images,
               std::vector<std::string>& attribute_names, std::vector<std::string>& warnings);
 
   // The index of `name` in the attribute names; appended when it is new.
@@ -48,7 +48,7 @@ class NodeContext {
   void warn(std::string message);
 
  private:
-  std::span<const std::unique_ptr<ImageTexture>> images_;
+  std::span<const std::shared_ptr<const ImageTexture>> images_;
   std::vector<std::string>& attribute_names_;
   std::vector<std::string>& warnings_;
   std::unordered_map<std::string, uint32_t> attribute_ids_;

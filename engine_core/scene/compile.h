@@ -16,6 +16,13 @@ struct CompileOptions {
   // Called once, when the description's meshes and images have been read: the rest of compilation
   // looks at them no more. May be empty.
   std::function<void()> large_parts_read;
+  // For a scene that will change while it is looked at: its hierarchy is built sooner and traversed
+  // slower, and what a later compilation needs to share parts of it is kept.
+  bool interactive = false;
+  // The scene before an edit, compiled interactively: what the description does not change is
+  // shared with it. Geometry is one part: it is shared when all meshes (by identity), places, ray
+  // masks and attributes are the same. Each material and image is one. Null: everything is made.
+  std::shared_ptr<const Scene> previous;
 };
 
 // `description` has passed validation (engine_core.validation): indices and sizes are trusted.
@@ -23,5 +30,9 @@ struct CompileOptions {
 // when Embree fails or the call is cancelled.
 std::shared_ptr<const Scene> compile(const SceneDescription& description,
                                      const CompileOptions& options);
+
+// The same scene through another camera onto another film; everything else is shared.
+std::shared_ptr<const Scene> with_view(const std::shared_ptr<const Scene>& scene,
+                                       const CameraDesc& camera, const FilmDesc& film);
 
 }  // namespace vernier

@@ -30,7 +30,8 @@ struct AttributeDesc {
 
 struct MeshDesc {
   std::string name;
-  std::span<const float> positions;          // 3 per vertex, object space
+  const void* identity = nullptr;    // equal and not null: the same mesh as in another description
+  std::span<const float> positions;  // 3 per vertex, object space
   std::span<const int32_t> corner_vertices;  // vertex of each corner
   std::span<const int32_t> face_offsets;     // first corner of each face, and one past the last
   std::span<const int32_t> face_materials;   // slot of each face; empty: slot 0
@@ -72,6 +73,8 @@ struct ObjectDesc {
   float pass_index = 0.0f;
   bool shadow_catcher = false;
   bool holdout = false;
+
+  bool operator==(const ObjectDesc&) const = default;
 };
 
 // An input of a shader node: a constant, or (node >= 0) another node's output.
@@ -80,6 +83,8 @@ struct NodeInput {
   std::array<float, 4> value{};  // scalar in [0]; vector in [0..2]; colour RGBA
   int32_t node = -1;
   std::string output;  // the source's socket identifier
+
+  bool operator==(const NodeInput&) const = default;
 };
 
 using ParamValue = std::variant<bool, int64_t, double, std::string, std::vector<float>>;
@@ -91,23 +96,31 @@ struct NodeDesc {
   std::string name;
   std::vector<NodeInput> inputs;
   std::map<std::string, ParamValue> params;
+
+  bool operator==(const NodeDesc&) const = default;
 };
 
 struct NodeLink {
   int32_t node = -1;
   std::string output;
+
+  bool operator==(const NodeLink&) const = default;
 };
 
 // A flat node tree: groups, reroutes and muted nodes are already resolved. Links may not be cyclic.
 struct GraphDesc {
   std::vector<NodeDesc> nodes;
   NodeLink surface;  // the shader that is the result; node -1: none (black)
+
+  bool operator==(const GraphDesc&) const = default;
 };
 
 struct MaterialDesc {
   std::string name;
   GraphDesc graph;
   float pass_index = 0.0f;
+
+  bool operator==(const MaterialDesc&) const = default;
 };
 
 enum class PixelType : uint8_t { kUint8, kFloat32 };
@@ -118,6 +131,7 @@ enum class AlphaMode : uint8_t { kStraight, kPremultiplied, kChannelPacked, kNon
 // and is drawn magenta, as Cycles does.
 struct ImageDesc {
   std::string name;
+  const void* identity = nullptr;  // as MeshDesc's
   int32_t width = 0, height = 0, channels = 4;
   PixelType type = PixelType::kUint8;
   ImageEncoding encoding = ImageEncoding::kSrgb;
@@ -146,11 +160,15 @@ struct LightDesc {
   bool cast_shadow = true;
   bool use_mis = true;
   GraphDesc graph;  // emission shader that multiplies; empty: none
+
+  bool operator==(const LightDesc&) const = default;
 };
 
 struct WorldDesc {
   GraphDesc graph;  // a Background shader; empty: black
   uint32_t visibility = kVisibleAll;
+
+  bool operator==(const WorldDesc&) const = default;
 };
 
 enum class CameraKind : uint8_t { kPerspective, kOrthographic };

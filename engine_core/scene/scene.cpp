@@ -3,6 +3,7 @@
 #include "camera/camera.h"
 #include "lights/light_sampler.h"
 #include "nodes/material.h"
+#include "scene/geometry.h"
 #include "textures/image.h"
 
 namespace vernier {

@@ -21,6 +21,17 @@ class Camera;
 class LightSampler;
 class Material;
 class ImageTexture;
+struct Geometry;
+struct SceneSource;
+
+// What was made for a scene, as opposed to shared with the one before it.
+struct CompiledParts {
+  bool geometry = false;
+  bool lights = false;
+  uint32_t materials = 0;
+  uint32_t images = 0;
+  bool changed = true;  // a picture of it may differ from one of the scene before
+};
 
 // Values of one attribute of one mesh, on its elements.
 struct MeshAttribute {
@@ -100,29 +111,38 @@ class Scene {
   // Radius of the picture's pixel footprint at p, metres: the step of bump mapping's differences.
   float footprint(Vec3f p) const;
 
-  std::vector<Mesh> meshes;
-  std::vector<Instance> instances;
+  std::span<const Mesh> meshes;
+  std::span<const Instance> instances;
   std::vector<ObjectDesc> objects;
   std::vector<uint32_t> slot_materials;
   std::vector<std::string> attribute_names;
   uint32_t uv_attribute = kNoIndex;  // of the UV pass
-  std::vector<std::unique_ptr<ImageTexture>> images;
-  std::vector<std::unique_ptr<Material>> materials;  // the last one is the grey default
+  std::vector<std::shared_ptr<const ImageTexture>> images;
+  std::vector<std::shared_ptr<const Material>> materials;  // the last one is the grey default
   std::vector<float> material_pass_indices;
-  std::unique_ptr<Material> world;  // null: black
+  std::shared_ptr<const Material> world;  // null: black
   uint32_t world_visibility = kVisibleAll;
-  std::unique_ptr<Camera> camera;
-  std::unique_ptr<LightSampler> lights;
+  std::unique_ptr<const Camera> camera;
+  // May refer to the scene that it was made for, which it then keeps alive.
+  std::shared_ptr<const LightSampler> lights;
   FilmDesc film;
   Requirements requirements;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  // of what was compiled for this scene
+  CompiledParts compiled;
   Vec3f center;  // bounding sphere of all geometry and finite lamps, render space
   float radius = 0;
 
  private:
   friend class SceneCompiler;
+  friend std::shared_ptr<const Scene> with_view(const std::shared_ptr<const Scene>& scene,
+                                                const CameraDesc& camera, const FilmDesc& film);
+
   std::array<double, 3> origin_{};
-  std::unique_ptr<Intersector> intersector_;
+  std::shared_ptr<const Geometry> geometry_;  // what `meshes` and `instances` show
+  const Intersector* intersector_ = nullptr;  // its own
+  // The scene that `lights` refer to; null: this one.
+  std::shared_ptr<const Scene> lights_home_;
+  std::shared_ptr<const SceneSource> source_;  // null: a later compilation cannot share this
 };
 
 }  // namespace vernier

@@ -14,9 +14,9 @@ from typing import Any
 
 from . import _loader
 from ._loader import CoreUnavailableError
-from .description import SceneDescription
+from .description import Camera, Film, SceneDescription
 from .tables import Parameter, PassInfo, parameters_from, passes_from
-from .validation import DescriptionError, validate
+from .validation import DescriptionError, validate, validate_view
 
 _core = _loader.load()
 
@@ -48,6 +48,8 @@ def compile(
     keep_uv: bool = False,
     cancelled: Callable[[], bool] | None = None,
     consume: bool = False,
+    interactive: bool = False,
+    previous: Any = None,
 ) -> Any:
     """Validates and compiles a description to an immutable `Scene`.
 
@@ -56,11 +58,25 @@ def compile(
     once they have been read, so that they need no memory while the rest is built. Raises
     DescriptionError (a ValueError) or ValueError naming what is wrong, RuntimeError when Embree
     fails or the call is cancelled, MemoryError.
+
+    `interactive`: for a scene that will be edited while it is looked at. Its hierarchy is built
+    sooner and traversed slower, and it may be the `previous` one of a later call, which then shares
+    with it what the edit left alone: images that are the same objects, materials whose graphs are
+    equal, and all geometry when the meshes are the same objects in the same places. `Scene.compiled`
+    tells what was made. What is shared must not have been changed in place.
     """
     validate(description)
     if description.camera is None:
         raise DescriptionError("the scene has no camera")
-    return _core.compile(description, threads, keep_uv, cancelled, consume)
+    return _core.compile(
+        description, threads, keep_uv, cancelled, consume, interactive, previous
+    )
+
+
+def with_view(scene: Any, camera: Camera, film: Film) -> Any:
+    """The same `Scene` through another camera onto another film. Raises DescriptionError."""
+    validate_view(camera, film)
+    return scene.with_view(camera, film)
 
 
 __all__ = [
@@ -81,4 +97,6 @@ __all__ = [
     "start_recording",
     "stop_recording",
     "validate",
+    "validate_view",
+    "with_view",
 ]

@@ -70,6 +70,12 @@ def validate(description: SceneDescription) -> None:
     _check_film(description.film)
 
 
+def validate_view(camera: Camera, film: Film) -> None:
+    """Raises DescriptionError unless the two keep every rule."""
+    _check_camera(camera)
+    _check_film(film)
+
+
 def _fail(name: str, what: str) -> None:
     raise DescriptionError(f"{name}: {what}")
 

@@ -49,16 +49,16 @@ def read_camera(item: bpy.types.Object, matrix: Matrix, frame: Frame, report: Re
     camera = Camera(
         kind="ORTHOGRAPHIC" if orthographic else "PERSPECTIVE",
         transform=rigid(matrix),
-        window=_window(data, frame, orthographic),
+        window=camera_window(data, frame, orthographic),
         clip_start=float(data.clip_start),
         clip_end=float(data.clip_end),
     )
     if data.dof.use_dof:
-        _read_aperture(data, matrix, camera)
+        read_aperture(data, matrix, camera)
     return camera
 
 
-def _window(
+def camera_window(
     data: bpy.types.Camera, frame: Frame, orthographic: bool
 ) -> tuple[float, float, float, float]:
     """Left, right, bottom, top: `lens`, sensor fit and shift as Blender's camera applies them.
@@ -76,7 +76,7 @@ def _window(
     return (x - half_width, x + half_width, y - half_height, y + half_height)
 
 
-def _read_aperture(data: bpy.types.Camera, matrix: Matrix, camera: Camera) -> None:
+def read_aperture(data: bpy.types.Camera, matrix: Matrix, camera: Camera) -> None:
     """Depth of field by Cycles' convention: an aperture of lens / f-number, in metres."""
     dof = data.dof
     fstop = max(float(dof.aperture_fstop), _MIN_FSTOP)

@@ -1,38 +1,91 @@
-"""The 3D view's rendered mode: a progressive picture, restarted when something changes."""
+"""What a 3D view shows: its size, its matrices, its border and its lens."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import bpy
 import numpy as np
-from engine_core.description import Camera, SceneDescription
+from engine_core.description import Camera, Film
 from mathutils import Matrix
 
-from .core import core
-from .session import stats_line
-from .settings import film_settings, render_settings
-from .sync.camera import rigid
-from .sync.depsgraph import SceneSync, SyncOptions
+from ..sync.camera import Frame, camera_window, read_aperture, rigid
 
-# Seconds between two redraws of a growing picture.
-_REDRAW_SECONDS = 0.1
+Rectangle = tuple[int, int, int, int]  # x0, y0, x1, y1 in pixels, y upward
+
+
+@dataclass(frozen=True)
+class Lens:
+    """Depth of field, as `Camera` has it."""
+
+    aperture_radius: float = 0.0
+    focus_distance: float = 10.0
+    blades: int = 0
+    blade_rotation: float = 0.0
+    aperture_ratio: float = 1.0
 
 
 @dataclass(frozen=True)
 class View:
-    """What a region shows: size in pixels and the matrices, as flat tuples to compare."""
+    """What a region shows: size in pixels, the matrices as flat tuples, what part is rendered."""
 
     width: int
     height: int
     view: tuple[float, ...]
     projection: tuple[float, ...]
+    border: Rectangle | None = None  # None: all of it
+    lens: Lens = Lens()
 
     @staticmethod
-    def of(context: bpy.types.Context) -> View:
-        region, data = context.region, context.region_data
-        return View(region.width, region.height, _flat(data.view_matrix), _flat(data.window_matrix))
+    def of(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> View:
+        region, data, space = context.region, context.region_data, context.space_data
+        view = View(
+            region.width, region.height, _flat(data.view_matrix), _flat(data.window_matrix)
+        )
+        if data.view_perspective == "CAMERA":
+            item = (space.use_local_camera and space.camera) or depsgraph.scene_eval.camera
+            if item is None or item.type != "CAMERA":
+                return view
+            item = item.evaluated_get(depsgraph)
+            border = _camera_border(view, item.data, depsgraph.scene_eval.render)
+            return replace(view, border=border, lens=_lens(item))
+        return replace(view, border=_free_border(view, space))
+
+    @property
+    def crop(self) -> Rectangle:
+        """The rendered rectangle."""
+        return self.border or (0, 0, self.width, self.height)
+
+    def camera(self, pixel: int = 1) -> Camera:
+        """The camera for pictures whose pixels are `pixel` of the region's wide and high."""
+        camera = view_camera(self)
+        left, right, bottom, top = camera.window
+        width, height = _scaled(self.width, pixel), _scaled(self.height, pixel)
+        # The last column and row may reach beyond the region.
+        right = left + (right - left) * width * pixel / self.width
+        top = bottom + (top - bottom) * height * pixel / self.height
+        lens = self.lens
+        return replace(
+            camera,
+            window=(left, right, bottom, top),
+            aperture_radius=lens.aperture_radius,
+            focus_distance=lens.focus_distance,
+            blades=lens.blades,
+            blade_rotation=lens.blade_rotation,
+            aperture_ratio=lens.aperture_ratio,
+        )
+
+    def film(self, film: Film, pixel: int = 1) -> Film:
+        """`film` for this view, with pixels as `camera` has them."""
+        x0, y0, x1, y1 = self.crop
+        crop = (x0 // pixel, y0 // pixel, _scaled(x1, pixel), _scaled(y1, pixel))
+        width, height = _scaled(self.width, pixel), _scaled(self.height, pixel)
+        return replace(film, width=width, height=height, crop=crop)
+
+
+def _scaled(pixels: int, pixel: int) -> int:
+    return -(-pixels // pixel)
 
 
 def _flat(matrix: Matrix) -> tuple[float, ...]:
@@ -65,72 +118,63 @@ def view_camera(view: View) -> Camera:
     )
 
 
-class Viewport:
-    """One 3D view's render."""
+def _lens(item: bpy.types.Object) -> Lens:
+    """The depth of field of an evaluated camera object."""
+    camera = Camera(kind="ORTHOGRAPHIC" if item.data.type == "ORTHO" else "PERSPECTIVE")
+    if item.data.dof.use_dof:
+        read_aperture(item.data, item.matrix_world, camera)
+    return Lens(
+        camera.aperture_radius,
+        camera.focus_distance,
+        camera.blades,
+        camera.blade_rotation,
+        camera.aperture_ratio,
+    )
 
-    def __init__(self, engine: bpy.types.RenderEngine) -> None:
-        self._engine = engine
-        self._sync = SceneSync()
-        self._description: SceneDescription | None = None
-        self._session: Any = None
-        self._view: View | None = None
 
-    def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        """Reads the scene again after an edit, and starts afresh."""
-        self._stop()
-        self._sync.mark(depsgraph)
-        options = SyncOptions(border=False, **film_settings(depsgraph.scene_eval))
-        self._description = self._sync.apply(depsgraph, options)
-        self._start(View.of(context), depsgraph)
+def _camera_border(
+    view: View, data: bpy.types.Camera, render: bpy.types.RenderSettings
+) -> Rectangle | None:
+    """Where the render border of the camera's frame lies in the region."""
+    if not render.use_border:
+        return None
+    left, right, bottom, top = camera_window(data, Frame.of(render), data.type == "ORTHO")
+    width, height = right - left, top - bottom
+    low, high, floor, ceiling = view_camera(view).window
 
-    def draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        """Draws the current picture, and asks for the next one until it is done."""
-        view = View.of(context)
-        if view != self._view:
-            self._stop()
-            self._start(view, depsgraph)
-        if self._session is None:
-            return
-        picture = self._session.read("Combined", 0, 0, view.width, view.height)
-        self._show(picture, depsgraph.scene_eval, view)
-        progress = self._session.poll(True)
-        self._engine.update_stats("", self._session.error_message or stats_line(progress))
-        if not progress.done:
-            bpy.app.timers.register(self._redraw, first_interval=_REDRAW_SECONDS)
+    def column(share: float) -> float:
+        return (left + share * width - low) / (high - low)
 
-    def _start(self, view: View, depsgraph: bpy.types.Depsgraph) -> None:
-        self._view = view
-        if self._description is None:
-            return
-        film = self._description.film
-        self._description.camera = view_camera(view)
-        self._description.film = replace(
-            film, width=view.width, height=view.height, crop=(0, 0, view.width, view.height)
-        )
-        values = render_settings(depsgraph.scene_eval, depsgraph.view_layer_eval)
-        scene = core().compile(self._description, int(values["threads"]))
-        self._session = core().Session(scene, values, ["Combined"])
-        self._session.start()
+    def row(share: float) -> float:
+        return (bottom + share * height - floor) / (ceiling - floor)
 
-    def _stop(self) -> None:
-        if self._session is not None:
-            self._session.cancel()
-            self._session = None
+    return _rectangle(
+        view,
+        column(render.border_min_x),
+        row(render.border_min_y),
+        column(render.border_max_x),
+        row(render.border_max_y),
+    )
 
-    def _redraw(self) -> None:
-        try:
-            self._engine.tag_redraw()
-        except ReferenceError:  # the view was closed meanwhile
-            self._stop()
 
-    def _show(self, picture: np.ndarray, scene: bpy.types.Scene, view: View) -> None:
-        import gpu
-        from gpu_extras.presets import draw_texture_2d
+def _free_border(view: View, space: bpy.types.SpaceView3D) -> Rectangle | None:
+    if not space.use_render_border:
+        return None
+    return _rectangle(
+        view,
+        space.render_border_min_x,
+        space.render_border_min_y,
+        space.render_border_max_x,
+        space.render_border_max_y,
+    )
 
-        pixels = gpu.types.Buffer("FLOAT", picture.size, picture.reshape(-1))
-        texture = gpu.types.GPUTexture((view.width, view.height), format="RGBA16F", data=pixels)
-        gpu.state.blend_set("ALPHA_PREMULT")
-        self._engine.bind_display_space_shader(scene)
-        draw_texture_2d(texture, (0, 0), view.width, view.height)
-        self._engine.unbind_display_space_shader()
-        gpu.state.blend_set("NONE")
+
+def _rectangle(view: View, x0: float, y0: float, x1: float, y1: float) -> Rectangle | None:
+    """A rectangle given by shares of the region, as pixels within it; None: nothing is left."""
+    low_x = min(max(math.floor(x0 * view.width), 0), view.width)
+    low_y = min(max(math.floor(y0 * view.height), 0), view.height)
+    high_x = min(max(math.ceil(x1 * view.width), 0), view.width)
+    high_y = min(max(math.ceil(y1 * view.height), 0), view.height)
+    if high_x <= low_x or high_y <= low_y:
+        return None
+    return low_x, low_y, high_x, high_y

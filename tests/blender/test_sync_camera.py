@@ -129,7 +129,7 @@ def test_no_camera(export: Any) -> None:
 @pytest.mark.parametrize("perspective", [True, False])
 def test_view_camera_inverts_a_projection(perspective: bool) -> None:
     """The 3D view's matrices give back the window they were made from."""
-    from addon.viewport import View, view_camera
+    from addon.viewport.view import View, view_camera
 
     left, right, bottom, top, near, far = -0.3, 0.5, -0.2, 0.4, 0.1, 100.0
     if perspective:

@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 
+from .command_line import render_failed
 from .core import CoreMissingError, core
 from .passes import register_passes
 
@@ -56,25 +57,34 @@ class VernierRenderEngine(bpy.types.RenderEngine):
     def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         try:
             core()
-            from .viewport import Viewport
+            from .viewport.viewport import Viewport
 
             if self._viewport is None:
                 self._viewport = Viewport(self)
             self._viewport.update(context, depsgraph)
-        except Exception as error:  # CoreMissingError, or what the core says of the scene
-            self.update_stats("Vernier", str(error))
+        except Exception as error:  # CoreMissingError, or what a scene makes of Blender's data
+            self._show_in_viewport(error)
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         if self._viewport is None:
             return
         try:
             self._viewport.draw(context, depsgraph)
-        except Exception as error:  # what the core says of the scene, from the new point of view
-            self.update_stats("Vernier", str(error))
+        except Exception as error:
+            self._show_in_viewport(error)
+
+    def _show_in_viewport(self, error: Exception) -> None:
+        if not isinstance(error, CoreMissingError):
+            import traceback
+
+            traceback.print_exc()
+        self.update_stats("Vernier", str(error))
 
 
 def fail(engine: bpy.types.RenderEngine, message: str) -> None:
     """Makes a failure visible: `error_set` in the window, the report as an exception to scripts."""
+    if not engine.is_preview:
+        render_failed()
     engine.error_set(message)
     engine.report({"ERROR"}, message)
 

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import bpy
 from bpy.types import Context, Panel
 
+from .core import CoreMissingError, core
 from .engine import VernierRenderEngine
+from .preset_menu import VERNIER_PT_presets
 from .settings import parameters
 
 ENGINE = VernierRenderEngine.bl_idname
@@ -66,10 +69,16 @@ def _draw_group(group: str) -> Any:
         for parameter in parameters():
             if parameter.group == group:
                 layout.prop(context.scene.vernier, parameter.name)
+            if parameter.name == "samples":
+                layout.prop(context.scene.vernier, "preview_samples")
         if group == "film":
             layout.prop(context.scene.render, "film_transparent", text="Transparent")
 
     return draw
+
+
+def _draw_presets(self: Panel, context: Context) -> None:
+    VERNIER_PT_presets.draw_panel_header(self.layout)
 
 
 def _group_panels() -> list[type[Panel]]:
@@ -84,6 +93,8 @@ def _group_panels() -> list[type[Panel]]:
             "bl_options": set() if group == "sampling" else {"DEFAULT_CLOSED"},
             "draw": _draw_group(group),
         }
+        if group == "sampling":
+            members["draw_header_preset"] = _draw_presets
         panels.append(type(members["bl_idname"], (_Ours, Panel), members))
     return panels
 
@@ -99,7 +110,11 @@ class VERNIER_RENDER_PT_missing(_Ours, Panel):  # noqa: N801 - Blender's naming 
         return bool(context.engine == ENGINE) and not parameters()
 
     def draw(self, context: Context) -> None:
-        self.layout.label(text="Vernier's core is not installed", icon="ERROR")
+        try:
+            core()
+        except CoreMissingError as error:
+            for line in textwrap.wrap(str(error), 50):
+                self.layout.label(text=line, icon="ERROR")
 
 
 class VERNIER_VIEWLAYER_PT_passes(_Ours, Panel):  # noqa: N801

@@ -6,7 +6,6 @@ progress and tiles, and sleeps without the interpreter's lock in between.
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from typing import Any
@@ -16,6 +15,7 @@ from engine_core.description import SceneDescription
 
 from .core import core
 from .passes import RenderPass, wanted_passes
+from .progress import ProgressLines, show_progress
 from .record import RenderRecord, tell
 from .settings import film_settings, render_settings
 from .sync.depsgraph import SceneSync, SyncOptions
@@ -92,6 +92,7 @@ class FinalRender:
         session = core().Session(compiled, values, [item.name for item in passes])
         x0, y0, x1, y1 = description.film.crop
         picture = _Picture(engine, layer.name, session, passes, x1 - x0, y1 - y0)
+        self._lines = ProgressLines(scene, layer.name)
         progress = self._render(session, picture)
         if not engine.is_preview:
             ended = time.perf_counter()
@@ -146,7 +147,7 @@ class FinalRender:
                 break
             now = time.perf_counter()
             if now >= next_stats:
-                show_progress(engine, session, with_error=True)
+                self._lines.show(show_progress(engine, session, with_error=True))
                 # As for the picture: what the error costs to compute spaces its updates.
                 spent = time.perf_counter() - now
                 next_stats = now + max(_STATS_SECONDS, spent / _DISPLAY_SHARE)
@@ -154,6 +155,7 @@ class FinalRender:
         while not session.wait(POLL_SECONDS):
             pass
         progress = show_progress(engine, session, with_error=not cancelled)
+        self._lines.end(progress)
         picture.show_all(final=True)
         if session.error_message and not cancelled:
             raise ValueError(session.error_message)
@@ -220,54 +222,3 @@ class _Picture:
             engine.update_result(result)
         engine.end_result(result)
         self.first_shown = self.first_shown or time.perf_counter()
-
-
-def show_progress(engine: bpy.types.RenderEngine, session: Any, with_error: bool) -> Any:
-    """The stats line, the progress bar and the memory. The error costs a look at every pixel."""
-    progress = session.poll(with_error)
-    engine.update_stats("", stats_line(progress))
-    engine.update_progress(_fraction(progress))
-    used, peak = memory_megabytes()
-    engine.update_memory_stats(memory_used=used, memory_peak=peak)
-    return progress
-
-
-def _fraction(progress: Any) -> float:
-    """How much is done: by samples, or by time where that ends first."""
-    by_samples = progress.samples / progress.samples_target if progress.samples_target else 0.0
-    total = progress.seconds + progress.seconds_left
-    by_time = progress.seconds / total if math.isfinite(total) and total > 0.0 else 0.0
-    return min(1.0, max(by_samples, by_time))
-
-
-def stats_line(progress: Any) -> str:
-    """Sample, time left and error of a render in progress."""
-    parts = [f"Sample {progress.samples:.0f}/{progress.samples_target:.0f}"]
-    if math.isfinite(progress.seconds_left):
-        parts.append(f"Time left {duration(progress.seconds_left)}")
-    if math.isfinite(progress.error):
-        parts.append(f"Error {100.0 * progress.error:.2g} %")
-    return " | ".join(parts)
-
-
-def duration(seconds: float) -> str:
-    """1:02:03, 2:03 or 0:03."""
-    whole = round(max(0.0, seconds))
-    hours, minutes = divmod(whole // 60, 60)
-    tail = f"{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"
-    return f"{hours}:{tail}" if hours else tail
-
-
-def memory_megabytes() -> tuple[float, float]:
-    """Memory of this process now and at its peak; zeros where the system does not say."""
-    try:
-        with open("/proc/self/status", encoding="ascii") as file:
-            rows = dict(line.split(":", 1) for line in file)
-        return (_megabytes(rows["VmRSS"]), _megabytes(rows["VmHWM"]))
-    except (OSError, KeyError, ValueError):
-        return (0.0, 0.0)
-
-
-def _megabytes(row: str) -> float:
-    """Megabytes of a row like "  1234 kB"."""
-    return int(row.split()[0]) / 1024.0

@@ -8,9 +8,28 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
+from .command_line import overrides
 from .core import CoreMissingError, core
 
 _classes: list[type] = []
+
+
+def _viewport_rows() -> dict[str, Any]:
+    """Settings of the 3D viewport, which the core does not know."""
+    return {
+        "preview_samples": IntProperty(
+            name="Viewport Samples",
+            description="Samples per pixel in the 3D viewport",
+            default=256,
+            min=1,
+            max=1 << 24,
+            soft_max=4096,
+        ),
+        "preview_pause": BoolProperty(
+            name="Pause Viewport",
+            description="Keep what the 3D viewport shows in rendered mode, and take up edits later",
+        ),
+    }
 
 
 def parameters() -> list[Any]:
@@ -19,6 +38,11 @@ def parameters() -> list[Any]:
         return list(core().parameters())
     except CoreMissingError:
         return []
+
+
+def max_of(name: str) -> int:
+    """The largest value of a whole-number setting."""
+    return next(int(p.max) for p in parameters() if p.name == name)
 
 
 def _property(parameter: Any) -> Any:
@@ -68,6 +92,7 @@ class VernierViewLayerSettings(bpy.types.PropertyGroup):
 
 def register() -> None:
     rows = {parameter.name: _property(parameter) for parameter in parameters()}
+    rows |= _viewport_rows() if rows else {}
     scene_settings = type(
         "VernierSceneSettings",
         (bpy.types.PropertyGroup,),
@@ -97,11 +122,9 @@ def film_settings(scene: bpy.types.Scene) -> dict[str, Any]:
     settings: Any = getattr(scene, "vernier", None)
     if not hasattr(settings, "pixel_filter"):
         return {}
-    return {
-        "filter": settings.pixel_filter,
-        "filter_width": settings.filter_width,
-        "exposure": settings.film_exposure,
-    }
+    given = overrides(parameters())
+    names = {"filter": "pixel_filter", "filter_width": "filter_width", "exposure": "film_exposure"}
+    return {option: given.get(name, getattr(settings, name)) for option, name in names.items()}
 
 
 def render_settings(
@@ -113,4 +136,20 @@ def render_settings(
         values["threads"] = scene.render.threads
     if "samples" in values and view_layer.samples > 0:
         values["samples"] = view_layer.samples
+    given = overrides(parameters())
+    if "time_limit" in given and "samples" not in given:
+        values["samples"] = max_of("samples")  # the time alone ends the render
+    return values | {name: value for name, value in given.items() if name in values}
+
+
+def viewport_settings(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
+) -> dict[str, bool | int | float | str]:
+    """What a session of the 3D viewport takes, and `pixel`: how many of the region's pixels its
+    finest have a side."""
+    values = render_settings(scene, view_layer)
+    values["samples"] = scene.vernier.preview_samples
+    values["time_limit"] = 0.0
+    size = scene.render.preview_pixel_size
+    values["pixel"] = 1 if size == "AUTO" else int(size)
     return values

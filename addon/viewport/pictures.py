@@ -20,6 +20,8 @@ _FIRST_SECONDS = 0.04
 _GUESSED_RATE = 5e5
 # Coarsest pixels, in the region's.
 _MAX_PIXEL = 16
+# From one picture to the next finer one.
+_PIXEL_STEP = 4
 # Seconds for which a moved view must stand still before it is rendered finely.
 _REST_SECONDS = 0.12
 # Seconds between two looks at a render in progress.
@@ -133,14 +135,15 @@ class PictureMaker:
         state.values, state.view = request.values, request.view
         if state.description is None or not (changed or self.shown is None):
             return
-        pixel = int(request.values["pixel"])
-        coarse = self._coarse_pixel(request.view, pixel)
-        if coarse > pixel:
-            self._render(request, state, coarse, samples=1)
-            if request.moved and not self._rests():
+        finest = int(request.values["pixel"])
+        sizes = self._pixel_sizes(request.view, finest)
+        for pixel in sizes:
+            if pixel != sizes[0] and self._is_superseded():
                 return
-        if not self._is_superseded():
-            self._render(request, state, pixel, samples=int(request.values["samples"]))
+            samples = int(request.values["samples"]) if pixel == finest else 1
+            self._render(request, state, pixel, samples, first=pixel == sizes[0])
+            if pixel > finest and request.moved and not self._rests():
+                return
 
     def _compile(self, request: Request, state: _State) -> Any:
         description = request.description
@@ -155,28 +158,38 @@ class PictureMaker:
             previous=state.scene,
         )
 
-    def _coarse_pixel(self, view: View, pixel: int) -> int:
-        """Pixels large enough that a first picture is there in time."""
+    def _pixel_sizes(self, view: View, finest: int) -> list[int]:
+        """Sizes of pixels, coarse to fine; the first are large enough to be there in time."""
         x0, y0, x1, y1 = view.crop
-        coarse = pixel
+        coarse = finest
         while (x1 - x0) * (y1 - y0) / coarse**2 > _FIRST_SECONDS * self._rate:
             if coarse >= _MAX_PIXEL:
                 break
             coarse *= 2
-        return coarse
+        sizes = [coarse]
+        while sizes[-1] > finest:
+            sizes.append(max(sizes[-1] // _PIXEL_STEP, finest))
+        return sizes
 
-    def _render(self, request: Request, state: _State, pixel: int, samples: int) -> None:
-        """Renders until the picture is whole, and shows it; a fine one then goes on by itself."""
+    def _render(
+        self, request: Request, state: _State, pixel: int, samples: int, first: bool
+    ) -> None:
+        """Renders until the picture is whole, and shows it; a fine one then goes on by itself.
+
+        Only the `first` picture of a request is made to its end when another request comes: a view
+        that moves on and on must still be seen to move.
+        """
         assert state.description is not None
         film = request.view.film(state.description.film, pixel)
         scene = core().with_view(state.scene, request.view.camera(pixel), film)
-        values = {k: v for k, v in request.values.items() if k != "pixel"}
-        session = core().Session(scene, {**values, "samples": samples}, ["Combined"])
+        values = {**request.values, "samples": samples}
+        del values["pixel"]
+        session = core().Session(scene, values, ["Combined"], give_way=True)
         picture = Picture(session, request.view, pixel, film.crop)
         start = time.perf_counter()
         session.start()
         while not session.wait(_POLL_SECONDS) and session.poll().samples < 1.0:
-            if self._is_superseded() and self.shown is not None and samples > 1:
+            if self._is_superseded() and self.shown is not None and not first:
                 session.cancel()
                 return
         width, height = picture.size

@@ -40,9 +40,7 @@ class View:
     @staticmethod
     def of(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> View:
         region, data, space = context.region, context.region_data, context.space_data
-        view = View(
-            region.width, region.height, _flat(data.view_matrix), _flat(data.window_matrix)
-        )
+        view = View(region.width, region.height, _flat(data.view_matrix), _flat(data.window_matrix))
         if data.view_perspective == "CAMERA":
             item = (space.use_local_camera and space.camera) or depsgraph.scene_eval.camera
             if item is None or item.type != "CAMERA":

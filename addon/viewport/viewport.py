@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from ..session import stats_line
+from ..progress import stats_line
 from ..settings import film_settings, viewport_settings
 from ..sync.depsgraph import SceneSync, SyncOptions
 from .display import Display
@@ -32,6 +32,7 @@ class Viewport:
         self._engine = weakref.ref(engine)
         self._sync = SceneSync()
         self._maker = PictureMaker()
+        weakref.finalize(engine, self._maker.close)
         self._display = Display()
         self._view: View | None = None
         self._values: dict[str, Any] = {}
@@ -40,11 +41,15 @@ class Viewport:
         self._next_stats = 0.0
         self._stats = ""
         self._finished = False  # the drawn picture has its last sample
+        self._told = False  # and its stats are shown
         self._ticking = False
 
     def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Reads the scene again after an edit; the picture goes on until the new one is there."""
         self._view = View.of(context, depsgraph)
+        if depsgraph.scene_eval.vernier.preview_pause:
+            self._sync.mark(depsgraph)  # to be read when the pause ends
+            return
         self._values = viewport_settings(depsgraph.scene_eval, depsgraph.view_layer_eval)
         description = None
         if self._drawn is None or not only_view_changed(depsgraph):
@@ -58,7 +63,7 @@ class Viewport:
         """Draws the newest picture, and asks for another one when the view is not its."""
         engine = self._engine()
         view = View.of(context, depsgraph)
-        if view != self._view:
+        if view != self._view and not depsgraph.scene_eval.vernier.preview_pause:
             self._view = view
             self._maker.ask(Request(view, self._values, moved=True))
             self._keep_ticking()
@@ -70,7 +75,7 @@ class Viewport:
         if fresh:
             self._finished = bool(picture.session.poll().done)
         elif picture is not self._drawn:
-            self._finished = False
+            self._finished = self._told = False
             self._next_stats = 0.0
         self._display.draw(picture, fresh, engine, depsgraph.scene_eval)
         self._drawn = picture
@@ -79,17 +84,14 @@ class Viewport:
             self._next_refresh = start + max(_REFRESH_SECONDS, spent / _DISPLAY_SHARE)
         self._show_stats(engine, picture)
 
-    def close(self) -> None:
-        """Ends the render."""
-        self._maker.close()
-
     def _show_stats(self, engine: bpy.types.RenderEngine, picture: Picture) -> None:
         now = time.perf_counter()
         if self._maker.error:
             engine.update_stats("", self._maker.error)
-        elif now >= self._next_stats or self._finished:
+        elif not self._told and (now >= self._next_stats or self._finished):
             engine.update_stats("", stats_line(picture.session.poll(True)))
             self._next_stats = now + _STATS_SECONDS
+            self._told = self._finished
 
     def _keep_ticking(self) -> None:
         if not self._ticking:
@@ -101,7 +103,6 @@ class Viewport:
         engine = self._engine()
         try:
             if engine is None:
-                self.close()
                 return None
             picture = self._maker.shown
             changed = picture is not self._drawn or bool(self._maker.error)
@@ -111,7 +112,7 @@ class Viewport:
                 self._ticking = False
                 return None
         except ReferenceError:  # Blender has freed the engine
-            self.close()
+            self._maker.close()
             return None
         return _TICK_SECONDS
 

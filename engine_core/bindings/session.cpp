@@ -67,14 +67,15 @@ void bind_session(nb::module_& m) {
       .def(
           "__init__",
           [](Session* self, nb::handle scene, const std::map<std::string, SettingValue>& settings,
-             const std::vector<std::string>& passes) {
+             const std::vector<std::string>& passes, bool give_way) {
             PassSet set;
             for (const std::string& name : passes) {
               set.add(pass_by_name(name));
             }
-            new (self) Session(scene_of(scene), make_settings(settings), set);
+            new (self) Session(scene_of(scene), make_settings(settings), set, give_way);
           },
-          nb::arg("scene"), nb::arg("settings"), nb::arg("passes"))
+          nb::arg("scene"), nb::arg("settings"), nb::arg("passes"), nb::arg("give_way") = false,
+          "`give_way`: its threads leave the processor to others of ordinary priority.")
       .def("start", &Session::start)
       .def("cancel", &Session::cancel, "Asks the threads to stop; returns at once.")
       .def("wait", &Session::wait, nb::arg("seconds"), nb::call_guard<nb::gil_scoped_release>(),

@@ -9,6 +9,7 @@
 #include "math/float_environment.h"
 #include "math/parallel.h"
 #include "math/rng.h"
+#include "render/priority.h"
 
 namespace vernier {
 namespace {
@@ -38,7 +39,8 @@ uint32_t batch_samples(uint64_t total_before, uint32_t share) {
   return static_cast<uint32_t>(std::min(size, kLargestBatch));
 }
 
-Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes)
+Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes,
+                 bool give_way)
     : scene_(std::move(scene)),
       settings_(settings),
       passes_(passes),
@@ -49,6 +51,7 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
       filter_(scene_->film.filter, scene_->film.filter_width),
       plan_(plan_batches(settings, kernel_.splats)),
       thread_count_(resolve_threads(settings.threads)),
+      give_way_(give_way),
       stats_(static_cast<size_t>(thread_count_)),
       rays_(static_cast<size_t>(thread_count_)),
       changed_(film_.tiles().size(), false) {}
@@ -125,6 +128,9 @@ bool Session::next_job(uint64_t& batch, size_t& tile) {
 }
 
 void Session::work(int thread) {
+  if (give_way_) {
+    vernier::give_way();
+  }
   const FlushDenormals flush;
   RenderContext context{*scene_, settings_, filter_, stopped_};
   RenderStats& stats = stats_[static_cast<size_t>(thread)];

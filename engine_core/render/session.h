@@ -37,8 +37,10 @@ struct Progress {
 
 class Session {
  public:
+  // `give_way`: its threads leave the processor to threads of ordinary priority when these want it.
   // Throws std::bad_alloc when the film does not fit into memory.
-  Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes);
+  Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes,
+          bool give_way = false);
   // Cancels and waits for the threads.
   ~Session();
   Session(const Session&) = delete;
@@ -81,6 +83,7 @@ class Session {
   std::once_flag planned_;
   std::unique_ptr<const Plan> plan_of_method_;
   int thread_count_;
+  bool give_way_;
   std::vector<std::thread> threads_;
   std::thread watch_;  // only with a time limit
   std::vector<RenderStats> stats_;

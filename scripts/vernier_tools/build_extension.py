@@ -56,8 +56,9 @@ def check_version(manifest: dict[str, object]) -> str:
     """The version, which the manifest and the core's wheels must share."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     if manifest["version"] != project["version"]:
+        theirs = project["version"]
         raise ToolError(
-            f"the manifest's version is {manifest['version']}, pyproject.toml's {project['version']}"
+            f"the manifest's version is {manifest['version']}, pyproject.toml's {theirs}"
         )
     return str(manifest["version"])
 
@@ -132,7 +133,7 @@ def run(command: list[str], what: str) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(
         prog=COMMAND,
-        description="Builds vernier-VERSION.zip, which Blender 4.5 and 5.2 install: the add-on with "
+        description="Builds vernier-VERSION.zip, which Blender 4.5 and 5.2 install: the add-on, "
         "the compiled core (three instruction sets) and Embree for each Python.",
     )
     parser.add_argument(

@@ -13,6 +13,7 @@ import pytest
 
 import addon
 from addon import engine as engine_module
+from addon import progress as progress_module
 from addon import session as session_module
 
 
@@ -245,7 +246,7 @@ def test_stats_line() -> None:
     from types import SimpleNamespace
 
     progress = SimpleNamespace(samples=12.0, samples_target=64, seconds_left=75.4, error=0.0213)
-    assert session_module.stats_line(progress) == "Sample 12/64 | Time left 1:15 | Error 2.1 %"
+    assert progress_module.stats_line(progress) == "Sample 12/64 | Time left 1:15 | Error 2.1 %"
     progress.seconds_left = progress.error = float("inf")
-    assert session_module.stats_line(progress) == "Sample 12/64"
-    assert session_module.duration(3723.0) == "1:02:03"
+    assert progress_module.stats_line(progress) == "Sample 12/64"
+    assert progress_module.duration(3723.0) == "1:02:03"

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 import OpenImageIO
@@ -23,20 +24,27 @@ DRIVER = Path(__file__).with_name("driver.py")
 class BlenderSession:
     """One window. Pictures are float arrays (height, width, 3) in [0, 1], top row first."""
 
-    def __init__(self, machine: Machine, profile: Path, display: int, pictures: Path) -> None:
+    def __init__(self, machine: Machine, profile: Path, pictures: Path) -> None:
         self._machine = machine
-        self._display = display
         self._pictures = pictures
-        self._folder = machine.outside / f"session-{display}"
-        self._folder.mkdir()
+        self._display = 0
+        self._folder = Path(tempfile.mkdtemp(prefix="session-", dir=machine.outside))
+        self._folder.chmod(0o755)
         (self._folder / "driver.py").write_text(DRIVER.read_text())
         self._count = 0
         self._log = open(self._folder / "blender.log", "w")  # noqa: SIM115 - closed in close()
         screen = f"{SCREEN[0]}x{SCREEN[1]}x24"
-        self._server = self._start(
-            ["Xvfb", f":{display}", "-screen", "0", screen, "+extension", "GLX", "-nocursor"]
-        )
-        self._wait_for_screen()
+        number = self._folder / "display"
+        with open(number, "w") as file:
+            # The server writes the number of its display, the first free one, to its output.
+            options = ["-displayfd", "1", "-screen", "0", screen, "+extension", "GLX", "-nocursor"]
+            self._server = self._start(["Xvfb", *options], file)
+        deadline = time.monotonic() + 30.0
+        while not number.read_text().endswith("\n"):
+            if time.monotonic() > deadline:
+                raise RuntimeError(f"the virtual screen does not start\n{self.log()}")
+            time.sleep(0.1)
+        self._display = int(number.read_text())
         self._profile = profile
         self.blender = self._start(
             [
@@ -64,23 +72,16 @@ class BlenderSession:
             variables["BLENDER_USER_RESOURCES"] = self._machine.path(self._profile)
         return variables
 
-    def _start(self, arguments: list[str]) -> subprocess.Popen[str]:
+    def _start(self, arguments: list[str], output: TextIO | None = None) -> subprocess.Popen[str]:
         return subprocess.Popen(
             self._machine.command(arguments, self._variables()),
-            stdout=self._log,
-            stderr=subprocess.STDOUT,
+            stdout=output or self._log,
+            stderr=self._log,
             text=True,
         )
 
     def _tool(self, arguments: list[str]) -> subprocess.CompletedProcess[str]:
         return self._machine.run(arguments, self._variables(), timeout=60.0)
-
-    def _wait_for_screen(self) -> None:
-        deadline = time.monotonic() + 30.0
-        while self._tool(["xdpyinfo"]).returncode != 0:
-            if time.monotonic() > deadline:
-                raise RuntimeError("the virtual screen does not start")
-            time.sleep(0.2)
 
     # Driving.
 
@@ -152,12 +153,14 @@ result = [region.x, region.y, region.width, region.height, window().height]
         return self.blender.poll() is None
 
     def close(self) -> None:
+        """Ends Blender, kindly at first, and the screen."""
+        try:
+            self.run("bpy.app.timers.register(lambda: bpy.ops.wm.quit_blender() and None)")
+            self.blender.wait(20.0)
+        except (AssertionError, subprocess.TimeoutExpired):
+            pass
         for process in (self.blender, self._server):
-            process.terminate()
-        for process in (self.blender, self._server):
-            try:
-                process.wait(10.0)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            # The sandbox's processes end with what started them, at no milder signal.
+            process.kill()
+            process.wait()
         self._log.close()

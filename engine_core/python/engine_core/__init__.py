@@ -62,8 +62,8 @@ def compile(
     `interactive`: for a scene that will be edited while it is looked at. Its hierarchy is built
     sooner and traversed slower, and it may be the `previous` one of a later call, which then shares
     with it what the edit left alone: images that are the same objects, materials whose graphs are
-    equal, and all geometry when the meshes are the same objects in the same places. `Scene.compiled`
-    tells what was made. What is shared must not have been changed in place.
+    equal, and all geometry when the meshes are the same objects in the same places. The scene's
+    `compiled` tells what was made. What is shared must not have been changed in place.
     """
     validate(description)
     if description.camera is None:

@@ -49,7 +49,6 @@ class BlenderSession:
         self.blender = self._start(
             [
                 machine.blender,
-                "--factory-startup",
                 "--gpu-backend",
                 "opengl",
                 "-noaudio",
@@ -108,9 +107,10 @@ class BlenderSession:
             time.sleep(0.02)
         return time.monotonic() - start
 
-    def key(self, *names: str) -> None:
-        for name in names:
-            self._tool(["xdotool", "key", name])
+    def key(self, name: str) -> None:
+        """Presses a key, named as X names it, perhaps with modifiers ("ctrl+F12")."""
+        # By its number: by its name F12 is found on the level that alt selects.
+        self._tool(["xdotool", "key", name.replace("F12", "96")])
 
     def move(self, x: int, y: int) -> None:
         """Moves the pointer; y counts from the top."""
@@ -144,6 +144,14 @@ result = [region.x, region.y, region.width, region.height, window().height]
         )
         x, y, width, height, total = box
         return slice(total - y - height, total - y), slice(x, x + width)
+
+    def inside(self, name: str) -> str:
+        """A file of this session as Blender sees it."""
+        return self._machine.path(self._folder / name)
+
+    def outside(self, name: str) -> Path:
+        """The same file as seen from here."""
+        return self._folder / name
 
     def log(self) -> str:
         self._log.flush()

@@ -39,7 +39,19 @@ _INCLUDED = {
 }
 
 # Titles of the groups of parameters, in the panels' order; a group that is not here gets its name.
-_TITLES = {"sampling": "Sampling", "light_paths": "Light Paths", "film": "Film"}
+_TITLES = {
+    "sampling": "Sampling",
+    "light_paths": "Light Paths",
+    "bidirectional": "Bidirectional",
+    "film": "Film",
+    "performance": "Performance",
+}
+# Settings, or whole groups, that count only with a certain value of another setting.
+_ONLY_WITH = {
+    "whitted_depth": ("integrator", "WHITTED"),
+    "bidirectional": ("integrator", "BDPT"),
+    "light_fraction": ("direct_light", "MIXTURE"),
+}
 _PASSES = (
     ("Data", ("z", "position", "normal", "uv")),
     ("Light", ("diffuse", "glossy", "transmission")),
@@ -59,6 +71,12 @@ class _Ours:
         return bool(context.engine == ENGINE)
 
 
+def _counts(context: Context, name: str) -> bool:
+    """Whether a setting or group changes anything, as the others are."""
+    other, value = _ONLY_WITH.get(name, ("", ""))
+    return not other or getattr(context.scene.vernier, other, None) == value
+
+
 def _draw_group(group: str) -> Any:
     """A panel's draw method that shows the settings of one group."""
 
@@ -67,14 +85,24 @@ def _draw_group(group: str) -> Any:
         layout.use_property_split = True
         layout.use_property_decorate = False
         for parameter in parameters():
-            if parameter.group == group:
+            if parameter.group == group and _counts(context, parameter.name):
                 layout.prop(context.scene.vernier, parameter.name)
             if parameter.name == "samples":
                 layout.prop(context.scene.vernier, "preview_samples")
         if group == "film":
             layout.prop(context.scene.render, "film_transparent", text="Transparent")
+        if group == "performance":
+            layout.prop(context.scene.render, "preview_pixel_size", text="Viewport Pixel Size")
+            layout.prop(context.scene.vernier, "preview_pause")
 
     return draw
+
+
+def _group_poll(group: str) -> Any:
+    def poll(cls: type, context: Context) -> bool:
+        return bool(context.engine == ENGINE) and _counts(context, group)
+
+    return poll
 
 
 def _draw_presets(self: Panel, context: Context) -> None:
@@ -95,6 +123,8 @@ def _group_panels() -> list[type[Panel]]:
         }
         if group == "sampling":
             members["draw_header_preset"] = _draw_presets
+        if group in _ONLY_WITH:
+            members["poll"] = classmethod(_group_poll(group))
         panels.append(type(members["bl_idname"], (_Ours, Panel), members))
     return panels
 
@@ -161,6 +191,21 @@ class VERNIER_OBJECT_PT_ray_visibility(_Ours, Panel):  # noqa: N801
             column.prop(context.object, f"visible_{name}", text=name.title())
 
 
+class VERNIER_WORLD_PT_preview(_Ours, Panel):  # noqa: N801
+    """The world on a ball, which the panels of other engines show for themselves."""
+
+    bl_label = "Preview"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return bool(context.engine == ENGINE and context.world)
+
+    def draw(self, context: Context) -> None:
+        self.layout.template_preview(context.world)
+
+
 class VERNIER_LIGHT_PT_beam(_Ours, Panel):  # noqa: N801
     """What the adopted panel of lights leaves out."""
 
@@ -183,6 +228,7 @@ _FIXED = (
     VERNIER_RENDER_PT_missing,
     VERNIER_VIEWLAYER_PT_passes,
     VERNIER_OBJECT_PT_ray_visibility,
+    VERNIER_WORLD_PT_preview,
     VERNIER_LIGHT_PT_beam,
 )
 _registered: list[type[Panel]] = []

@@ -183,9 +183,19 @@ class _Pass:
         slots = len(use.materials)
         # A mesh read for other materials may lack attributes: what was read is part of the key.
         key = (*use.mesh_key, f"{slots} slots", repr(sorted(reads)))
-        return self.meshes.get(
-            key, lambda: read_mesh(use.data, use.name, reads, slots, self.report)
-        )
+        return self.meshes.get(key, lambda: self._read_mesh(use, reads, slots))
+
+    def _read_mesh(
+        self, use: ObjectUse, reads: frozenset[AttributeRead], slots: int
+    ) -> Mesh | None:
+        if not use.data.is_editmode:
+            return read_mesh(use.data, use.name, reads, slots, self.report)
+        # In edit mode the mesh itself is empty: Blender fills a copy of it when asked.
+        mesh = use.owner.to_mesh(preserve_all_data_layers=True, depsgraph=self.depsgraph)
+        try:
+            return read_mesh(mesh, use.name, reads, slots, self.report)
+        finally:
+            use.owner.to_mesh_clear()
 
     def _fill_instances(
         self,

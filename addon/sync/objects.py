@@ -23,6 +23,7 @@ class ObjectUse:
     """What all instances of one object under one parent share."""
 
     name: str
+    owner: bpy.types.Object  # evaluated; it and its data are valid as long as the depsgraph
     data: bpy.types.Mesh
     mesh_key: tuple[int | str, ...]
     materials: tuple[bpy.types.Material | None, ...]
@@ -118,6 +119,7 @@ def _object_use(
         visibility &= ~int(Visibility.CAMERA)
     return ObjectUse(
         name=item.name,
+        owner=source,
         data=data,
         mesh_key=keys.of(source, data),
         materials=materials_of(item, data),

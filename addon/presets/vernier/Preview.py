@@ -1,18 +1,11 @@
+# A quick look: few samples, and what is bright by chance is clamped (which darkens).
 import bpy
 
 settings = bpy.context.scene.vernier
-
-# A quick look: few samples, and what is bright by chance is clamped (which darkens).
-settings.integrator = "PATH"
+kept = {"rna_type", "name", "seed", "threads", "preview_samples", "preview_pause"}
+film = {"pixel_filter", "filter_width", "film_exposure"}
+for setting in set(settings.bl_rna.properties.keys()) - kept - film:
+    settings.property_unset(setting)
 settings.samples = 32
-settings.time_limit = 0.0
-settings.direct_light = "MIS"
-settings.roulette_threshold = 0.25
-settings.roulette_start = 0
 settings.max_bounces = 8
-settings.diffuse_bounces = -1
-settings.glossy_bounces = -1
-settings.transmission_bounces = -1
-settings.transparent_bounces = -1
-settings.clamp_direct = 0.0
 settings.clamp_indirect = 10.0

@@ -1,0 +1,119 @@
+"""Builds the manual's generated parts in docs/manual: the tables of settings and nodes from the
+core's own tables, the pictures by rendering, and the measured trade between the methods."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from vernier_tools.errors import ToolError, report
+from vernier_tools.images import read_combined
+from vernier_tools.manual_tables import nodes_page, settings_page
+from vernier_tools.metrics import relative_squared_error
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "docs" / "manual"
+COMMAND = "scripts/build_manual"
+
+# The manual's pictures: scene, method, seconds.
+PICTURES = (
+    ("cornell_box", "path", 60.0),
+    ("textured_room", "path", 90.0),
+    ("caustics", "path", 60.0),
+    ("caustics", "bdpt", 60.0),
+    ("lamp_interior", "path", 60.0),
+    ("lamp_interior", "bdpt", 60.0),
+)
+PICTURE_SIZE = "480x300"
+
+# The measured trade: scenes and methods at equal time, against long renders by the last method.
+SCENES = ("cornell_box", "veach_plates", "lamp_interior", "caustics")
+METHODS = ("path", "light", "bdpt")
+MEASURED_SIZE = "240x150"
+
+
+def render(scene: str, method: str, target: Path, size: str, seconds: float, seed: int = 0) -> None:
+    """Renders one scene in a process of its own. Raises ToolError."""
+    command = [sys.executable, "-m", "vernier_tools.render"]
+    command += [str(ROOT / "blend_scenes" / f"{scene}.blend"), "-o", str(target)]
+    command += ["--integrator", method, "--time", str(seconds), "--resolution", size]
+    command += ["--seed", str(seed)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise ToolError(f"{scene} by {method}: {done.stderr.strip()[-300:]}")
+
+
+def write_pictures(share: float) -> None:
+    folder = FOLDER / "pictures"
+    folder.mkdir(exist_ok=True)
+    for scene, method, seconds in PICTURES:
+        say(f"picture of {scene} by {method}")
+        target = folder / f"{scene}_{method}.jpg"
+        render(scene, method, target, PICTURE_SIZE, share * seconds)
+
+
+def write_measurements(seconds: float, reference_seconds: float) -> None:
+    """Error at equal time: the root of the mean relative squared error."""
+    rows = []
+    with tempfile.TemporaryDirectory() as scratch:
+        for scene in SCENES:
+            say(f"measuring {scene}")
+            reference = Path(scratch, f"{scene}.exr")
+            render(scene, METHODS[-1], reference, MEASURED_SIZE, reference_seconds, seed=1)
+            truth = read_combined(reference)
+            cells = []
+            for method in METHODS:
+                target = Path(scratch, f"{scene}_{method}.exr")
+                render(scene, method, target, MEASURED_SIZE, seconds)
+                error = math.sqrt(relative_squared_error(read_combined(target), truth))
+                cells.append(f"{100.0 * error:.2g} %")
+            rows.append(f"| `{scene}` | " + " | ".join(cells) + " |")
+    heads = " | ".join(f"`{method}`" for method in METHODS)
+    text = f"""# The trade, measured
+
+Error after {seconds:g} seconds at {MEASURED_SIZE} pixels on the machine that built this page, all \
+its threads: the root of the mean squared error relative to each pixel (or to 10 % of the mean, \
+where that is more), against {reference_seconds:g} seconds of `{METHODS[-1]}`. Less is better; \
+half the error would take four times as long. An error that does not shrink with time is light \
+that the method cannot find.
+
+| Scene | {heads} |
+|---|{"---|" * len(METHODS)}
+""" + "\n".join(rows)
+    (FOLDER / "measured.md").write_text(text + "\n")
+
+
+def say(text: str) -> None:
+    print(f"{COMMAND}: {text}", file=sys.stderr, flush=True)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
+    parser.add_argument("--tables", action="store_true", help="the tables only, at once")
+    parser.add_argument("--seconds", type=float, default=20.0, help="for each measured render (20)")
+    parser.add_argument(
+        "--reference-seconds", type=float, default=600.0, help="for each reference (600)"
+    )
+    parser.add_argument(
+        "--picture-share", type=float, default=1.0, help="of the pictures' usual time (1)"
+    )
+    options = parser.parse_args()
+    try:
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        (FOLDER / "settings.md").write_text(settings_page())
+        (FOLDER / "nodes.md").write_text(nodes_page())
+        if not options.tables:
+            write_pictures(options.picture_share)
+            write_measurements(options.seconds, options.reference_seconds)
+    except ToolError as error:
+        report(COMMAND, error)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

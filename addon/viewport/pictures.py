@@ -61,6 +61,7 @@ class _State:
     description: SceneDescription | None = None
     view: View | None = None
     values: Values = field(default_factory=dict)
+    stale: bool = True  # what is shown is not this
 
 
 class PictureMaker:
@@ -105,7 +106,7 @@ class PictureMaker:
             try:
                 self._serve(request, state)
                 self.error = ""
-            except (ValueError, RuntimeError, MemoryError, OSError) as error:
+            except Exception as error:  # of the core, about the scene; nobody else would tell it
                 if not self._is_superseded():
                     self.error = str(error) or type(error).__name__
             self.busy = self._is_superseded()
@@ -123,17 +124,16 @@ class PictureMaker:
         return self._request is not None or self._closed
 
     def _serve(self, request: Request, state: _State) -> None:
-        changed = request.values != state.values or request.view != state.view
+        state.stale |= request.values != state.values or request.view != state.view
         if request.description is not None:
             state.scene = self._compile(request, state)
-            # An edit of what the picture does not show goes on with the render.
-            film_changed = (
-                state.description is None or state.description.film != request.description.film
-            )
-            changed = changed or film_changed or state.scene.compiled["changed"]
+            # After an edit of what the picture does not show, its render goes on.
+            known = state.description
+            state.stale |= known is None or known.film != request.description.film
+            state.stale |= state.scene.compiled["changed"]
             state.description = request.description
         state.values, state.view = request.values, request.view
-        if state.description is None or not (changed or self.shown is None):
+        if state.description is None or not state.stale:
             return
         finest = int(request.values["pixel"])
         sizes = self._pixel_sizes(request.view, finest)
@@ -144,6 +144,7 @@ class PictureMaker:
             self._render(request, state, pixel, samples, first=pixel == sizes[0])
             if pixel > finest and request.moved and not self._rests():
                 return
+        state.stale = self._is_superseded()
 
     def _compile(self, request: Request, state: _State) -> Any:
         description = request.description

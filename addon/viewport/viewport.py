@@ -39,9 +39,9 @@ class Viewport:
         self._drawn: Picture | None = None
         self._next_refresh = 0.0
         self._next_stats = 0.0
-        self._stats = ""
         self._finished = False  # the drawn picture has its last sample
         self._told = False  # and its stats are shown
+        self._error = ""  # what is shown in their place
         self._ticking = False
 
     def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
@@ -68,7 +68,10 @@ class Viewport:
             self._maker.ask(Request(view, self._values, moved=True))
             self._keep_ticking()
         picture = self._maker.shown
-        if engine is None or picture is None:
+        if engine is None:
+            return
+        self._show_error(engine, picture)
+        if picture is None:
             return
         start = time.perf_counter()
         fresh = picture is self._drawn and not self._finished and start >= self._next_refresh
@@ -84,11 +87,17 @@ class Viewport:
             self._next_refresh = start + max(_REFRESH_SECONDS, spent / _DISPLAY_SHARE)
         self._show_stats(engine, picture)
 
+    def _show_error(self, engine: bpy.types.RenderEngine, picture: Picture | None) -> None:
+        error = self._maker.error or (picture.session.error_message if picture else "")
+        if error and error != self._error:
+            engine.update_stats("", error)
+        self._error = error
+
     def _show_stats(self, engine: bpy.types.RenderEngine, picture: Picture) -> None:
         now = time.perf_counter()
-        if self._maker.error:
-            engine.update_stats("", self._maker.error)
-        elif not self._told and (now >= self._next_stats or self._finished):
+        if self._error:
+            return
+        if not self._told and (now >= self._next_stats or self._finished):
             engine.update_stats("", stats_line(picture.session.poll(True)))
             self._next_stats = now + _STATS_SECONDS
             self._told = self._finished
@@ -105,7 +114,7 @@ class Viewport:
             if engine is None:
                 return None
             picture = self._maker.shown
-            changed = picture is not self._drawn or bool(self._maker.error)
+            changed = picture is not self._drawn or self._maker.error not in ("", self._error)
             if changed or (not self._finished and time.perf_counter() >= self._next_refresh):
                 engine.tag_redraw()
             if self._finished and not self._maker.busy and not changed:

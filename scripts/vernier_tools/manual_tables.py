@@ -10,6 +10,8 @@ HEAD = "This page is made by `scripts/build_manual`.\n"
 
 # Nodes that are not the engine's to support: they belong to other engines.
 FOREIGN = {"ShaderNodeEeveeSpecular", "ShaderNodeShaderToRGB", "ShaderNodeOutputLineStyle"}
+# Classes that are no nodes.
+ABSTRACT = {"ShaderNode", "ShaderNodeCustomGroup", "ShaderNodeTree"}
 # Nodes that the add-on itself resolves before the core sees the tree.
 RESOLVED = {
     "ShaderNodeGroup",
@@ -56,17 +58,21 @@ def nodes_page() -> str:
     """Which shader nodes are supported, by the names that Blender shows."""
     import bpy
 
-    known = {str(row["kind"]) for row in engine_core.probe.node_kind_rows()} | RESOLVED
-    names: dict[bool, list[str]] = {True: [], False: []}
-    for kind in sorted(dir(bpy.types)):
-        if not kind.startswith("ShaderNode") or kind in FOREIGN:
+    rows = {str(row["name"]): str(row["fallback"]) for row in engine_core.probe.node_kind_rows()}
+    supported: set[str] = set()
+    replaced: set[str] = set()
+    missing: set[str] = set()
+    for kind in dir(bpy.types):
+        if not kind.startswith("ShaderNode") or kind in FOREIGN or kind in ABSTRACT:
             continue
-        node = getattr(bpy.types, kind).bl_rna
-        if node.name in ("Shader Node", "Custom Group") or kind in ("ShaderNodeTree",):
-            continue
-        names[kind in known].append(node.name)
-    supported = ", ".join(sorted(set(names[True])))
-    missing = ", ".join(sorted(set(names[False]) - set(names[True])))
+        name = getattr(bpy.types, kind).bl_rna.name
+        if kind in RESOLVED or rows.get(kind) == "":
+            supported.add(name)
+        elif kind in rows:
+            replaced.add(name)
+        else:
+            missing.add(name)
+    version = ".".join(map(str, bpy.app.version[:2]))
     return f"""# Shader nodes
 
 {HEAD}
@@ -74,7 +80,13 @@ Node trees are those of Blender itself, as Cycles reads them. What a tree holds 
 supported is named in a warning when the scene is rendered, by material and node; the rest of the \
 tree still counts.
 
-**Supported** (Blender {bpy.app.version[0]}.{bpy.app.version[1]}): {supported}.
+**Supported** (of the nodes of Blender {version}): {_listed(supported)}.
 
-**Not supported yet**: {missing}.
+**Replaced by something simpler**, with a warning: {_listed(replaced)}.
+
+**Not supported yet**: {_listed(missing - supported)}.
 """
+
+
+def _listed(names: set[str]) -> str:
+    return ", ".join(sorted(names)) or "none"

@@ -68,9 +68,7 @@ def compile(
     validate(description)
     if description.camera is None:
         raise DescriptionError("the scene has no camera")
-    return _core.compile(
-        description, threads, keep_uv, cancelled, consume, interactive, previous
-    )
+    return _core.compile(description, threads, keep_uv, cancelled, consume, interactive, previous)
 
 
 def with_view(scene: Any, camera: Camera, film: Film) -> Any:

@@ -8,6 +8,7 @@
 
 #include "bindings/bind.h"
 #include "bindings/graph_from_python.h"
+#include "bindings/table.h"
 #include "nodes/material.h"
 #include "nodes/node_kinds.h"
 #include "scene/scene.h"
@@ -18,25 +19,7 @@ namespace nb = nanobind;
 namespace vernier {
 namespace {
 
-using Rows2 = nb::ndarray<const float, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
-using Rows3 = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Result = nb::ndarray<nb::numpy, float>;
-
-struct Table {
-  float* data;
-  size_t rows, columns;
-
-  Table(size_t rows_, size_t columns_)
-      : data(new float[rows_ * columns_]()), rows(rows_), columns(columns_) {}
-  float* row(size_t i) const { return data + i * columns; }
-  Result release() const {
-    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<float*>(p); });
-    return Result(data, {rows, columns}, owner);
-  }
-};
-
 Vec3f vec3(const Rows3& a, size_t i) { return {a(i, 0), a(i, 1), a(i, 2)}; }
-void write(Vec3f v, float* out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 // A material by itself, with the images and names it refers to.
 struct ProbeMaterial {
@@ -94,7 +77,7 @@ SurfacePoint free_point(Vec3f p, Vec3f n, Vec3f wo) {
 template <typename Get>
 Result evaluate(const Rows3& p, const Rows3& n, const Rows3& wo, Get get) {
   const Table table(p.shape(0), 3);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     write(get(free_point(vec3(p, i), vec3(n, i), vec3(wo, i))), table.row(i));
   }
   return table.release();
@@ -110,7 +93,7 @@ Result probe_transparency(const ProbeMaterial& m, const Rows3& p, const Rows3& n
 // Emission toward minus the directions, as the world's shader gives it.
 Result probe_world(const ProbeMaterial& m, const Rows3& directions) {
   const Table table(directions.shape(0), 3);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     SurfacePoint point;
     point.wo = -vec3(directions, i);
     write(m.material->emission(point), table.row(i));
@@ -148,7 +131,7 @@ nb::dict traits_of(const ProbeMaterial& m) {
 Result scene_emission(nb::handle handle, const Rows3& origins, const Rows3& directions) {
   const auto scene = scene_of(handle);
   const Table table(origins.shape(0), 3);
-  for (size_t i = 0; i < table.rows; ++i) {
+  for (size_t i = 0; i < table.rows(); ++i) {
     const Ray ray{vec3(origins, i), vec3(directions, i)};
     Hit hit;
     Vec3f value = splat(std::numeric_limits<float>::quiet_NaN());
@@ -177,7 +160,7 @@ Result sample_image(nb::handle source, const Rows2& uv, const std::string& inter
   const auto i = static_cast<Interpolation>(find(interpolation, {"Linear", "Closest", "Cubic"}));
   const auto e = static_cast<Extension>(find(extension, {"REPEAT", "EXTEND", "CLIP", "MIRROR"}));
   const Table table(uv.shape(0), 4);
-  for (size_t row = 0; row < table.rows; ++row) {
+  for (size_t row = 0; row < table.rows(); ++row) {
     const Vec4f c = image->sample(uv(row, 0), uv(row, 1), i, e, straight);
     write(c.xyz(), table.row(row));
     table.row(row)[3] = c.w;

@@ -25,6 +25,7 @@ from vernier_tools.errors import ToolError, report
 COMMAND = "scripts/benchmark"
 MEDIANS = (
     "samples_per_cpu_second",
+    "preparation",
     "first_sample",
     "first_tile",
     "memory",
@@ -92,6 +93,7 @@ def run_figures(outcome: jobs.Outcome, error: float, budget: float) -> Figures:
     render = outcome.renders[0]
     return {
         **asdict(render),
+        "preparation": render.cpu - render.sampling_cpu,
         "samples_per_cpu_second": render.samples_per_cpu_second(outcome.width * outcome.height),
         # No engine ends a render at exactly the time asked for, nor has it the machine for itself.
         # Error falls as one over the time spent, so this is what it would be at that asked for.

@@ -21,7 +21,7 @@ def markdown(results: Figures) -> str:
     if results["rays"]:
         parts += ["## Rays\n", RAYS_NOTE, ray_table(results["rays"])]
     if results["sizes"]:
-        parts += ["## Sizes\n", size_table(results["sizes"])]
+        parts += ["## Sizes\n", SIZES_NOTE, size_table(results["sizes"])]
     if results["failures"]:
         parts += ["## Failures\n", "\n".join(f"- {line}" for line in results["failures"]) + "\n"]
     return "\n".join(parts)
@@ -30,6 +30,12 @@ def markdown(results: Figures) -> str:
 RAYS_NOTE = (
     "Million rays per second of processor time on one thread: of a render, and of Embree casting "
     "the same rays in the same order with nothing in between.\n"
+)
+
+
+SIZES_NOTE = (
+    "Generated scenes. Export and build: seconds of processor time from the call until sampling "
+    "begins. First tile: by the clock. Memory: by how much the process grew at its peak.\n"
 )
 
 
@@ -102,13 +108,13 @@ def ray_table(entries: Sequence[Figures]) -> str:
 def size_table(entries: Sequence[Figures]) -> str:
     engines = list(entries[0]["engines"])
     head = ["triangles", "kind"]
-    head += column_heads(engines, "export and build, s")
+    head += column_heads(engines, "export and build, s CPU")
     head += column_heads(engines, "first tile, s")
     head += column_heads(engines, "memory, MiB")
     rows = []
     for entry in entries:
         row = [f"{entry['triangles']:,}", "instanced" if entry["instanced"] else "flat"]
-        row += cells(entry, "first_sample", lambda v: f"{v:.2f}")
+        row += cells(entry, "preparation", lambda v: f"{v:.2f}")
         row += cells(entry, "first_tile", lambda v: f"{v:.2f}")
         row += cells(entry, "memory", lambda v: f"{v / 2**20:.0f}")
         rows.append(row)

@@ -16,6 +16,7 @@ def entry(engines: list[str]) -> dict[str, object]:
         name: {
             "samples_per_cpu_second": 2e6 / (index + 1),
             "error": 0.01 * (index + 1),
+            "preparation": 0.25,
             "first_sample": 0.5,
             "first_tile": 1.0,
             "memory": 2**20 * 8,

@@ -18,11 +18,11 @@ LINEAR = {"Linear Rec.709", "Linear", "Non-Color", "Raw", "scene_linear"}
 
 
 def to_scene_linear(pixels: NDArray[Any], space: str) -> FloatArray | None:
-    """Converts bytes by Blender's OpenColorIO configuration; None: it cannot be done."""
+    """Converts bytes or floats by Blender's OpenColorIO configuration; None: it cannot be done."""
     processor = _processor(space)
     if processor is None:
         return None
-    values = pixels.astype(np.float32) / 255.0
+    values = pixels.astype(np.float32) / np.float32(255.0 if pixels.dtype == np.uint8 else 1.0)
     rgb = values[:, :, :3] if values.shape[2] >= 3 else np.repeat(values, 3, axis=2)
     rgb = np.ascontiguousarray(rgb)
     processor.applyRGB(rgb)

@@ -118,10 +118,7 @@ def _decode_bytes(image: bpy.types.Image, result: Image, report: Report) -> None
     assert result.pixels is not None
     converted = colorspace.to_scene_linear(result.pixels, space)
     if converted is None:
-        report.warn(
-            f'image "{image.name}": the color space "{space}" cannot be converted; '
-            "it is read as sRGB"
-        )
+        _warn_of_space(image, "sRGB", report)
         return
     result.pixels, result.encoding = converted, "linear"
 
@@ -142,9 +139,31 @@ def _read_sequence(image: bpy.types.Image, frame: int, report: Report) -> Pixels
     if data is None:
         return None
     pixels = np.ascontiguousarray(data[::-1])
-    if not eight_bit and not str(path).lower().endswith((".exr", ".hdr")):
-        pixels[:, :, :3] = colorspace.srgb_to_linear(pixels[:, :, :3])
+    if not eight_bit:
+        pixels = _linear_floats(image, pixels, report)
     return _without_spare_channels(pixels)
+
+
+def _linear_floats(image: bpy.types.Image, pixels: FloatArray, report: Report) -> FloatArray:
+    """A file's floats as Blender holds them: scene linear, whatever the image's color space."""
+    space = image.colorspace_settings.name
+    if image.colorspace_settings.is_data or space in colorspace.LINEAR:
+        return pixels
+    if space in colorspace.SRGB:
+        pixels[:, :, :3] = colorspace.srgb_to_linear(pixels[:, :, :3])
+        return pixels
+    converted = colorspace.to_scene_linear(pixels, space)
+    if converted is None:
+        _warn_of_space(image, "linear", report)
+        return pixels
+    return converted
+
+
+def _warn_of_space(image: bpy.types.Image, instead: str, report: Report) -> None:
+    report.warn(
+        f'image "{image.name}": the color space "{image.colorspace_settings.name}" cannot be '
+        f"converted; it is read as {instead}"
+    )
 
 
 def _sequence_path(image: bpy.types.Image, frame: int) -> Path:

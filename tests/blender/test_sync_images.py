@@ -175,6 +175,29 @@ def test_sequences(empty_scene: Any, tmp_path: Path) -> None:
     assert (pixels_2[0, 0, 0], report.messages) == (20, [])
 
 
+@pytest.mark.parametrize(
+    ("space", "red"),
+    [("sRGB", ((0.5 + 0.055) / 1.055) ** 2.4), ("Non-Color", 0.5), ("Linear Rec.709", 0.5)],
+)
+def test_deep_sequences_are_in_their_color_space(
+    empty_scene: Any, tmp_path: Path, space: str, red: float
+) -> None:
+    oiio = pytest.importorskip("OpenImageIO")
+    path = tmp_path / "deep_001.png"
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), oiio.ImageSpec(1, 1, 3, "uint16"))
+    output.write_image(np.full((1, 1, 3), 0.5, np.float32))
+    output.close()
+    image = bpy.data.images.load(str(path))
+    image.source = "SEQUENCE"
+    image.colorspace_settings.name = space
+    report = Report()
+    result = read_image(image, 1, report)
+    assert result.pixels is not None
+    assert (result.encoding, report.messages) == ("linear", [])
+    assert float(result.pixels[0, 0, 0]) == pytest.approx(red, abs=1e-4)
+
+
 def test_an_image_is_exported_once(make: Any, export: Any) -> None:
     image = _new("Shared")
     mesh = make.quad("Quad", uv=True)

@@ -18,12 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from emitted_values import decoded, emit, socket
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float32]
 
-# Emission is scale * value + offset, so that negative values come through.
-SCALE, OFFSET = 0.25, 4.0
 COORDINATE = "coordinate"
 
 
@@ -57,9 +56,6 @@ def _build(material: Any, case: dict[str, Any]) -> None:
     tree = material.node_tree
     tree.nodes.clear()
 
-    def socket(sockets: Any, identifier: str) -> Any:
-        return next(s for s in sockets if s.identifier == identifier)
-
     coordinate = tree.nodes.new("ShaderNodeAttribute")
     coordinate.attribute_name = COORDINATE
     built = []
@@ -76,16 +72,7 @@ def _build(material: Any, case: dict[str, Any]) -> None:
                 tree.links.new(socket(source.outputs, output), target)
             else:
                 target.default_value = value
-    encode = tree.nodes.new("ShaderNodeVectorMath")
-    encode.operation = "MULTIPLY_ADD"
-    encode.inputs[1].default_value = (SCALE,) * 3
-    encode.inputs[2].default_value = (OFFSET,) * 3
-    emission = tree.nodes.new("ShaderNodeEmission")
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    value = socket(built[-1].outputs, case["output"])
-    tree.links.new(value, encode.inputs[0])
-    tree.links.new(encode.outputs[0], emission.inputs["Color"])
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    emit(tree, socket(built[-1].outputs, case["output"]))
 
 
 def _faces(columns: int, rows: int) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -153,7 +140,7 @@ def render(cases: list[dict[str, Any]], columns: int) -> FloatArray:
         pixels = np.empty(columns * rows * image.channels, np.float32)
         image.pixels.foreach_get(pixels)
         pixels = pixels.reshape(rows, columns, image.channels)
-    values = (pixels[..., :3] - np.float32(OFFSET)) / np.float32(SCALE)
+    values = decoded(pixels[..., :3])
     values[absent] = np.nan
     return values
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from emitted_values import emit, socket
 
-SCALE, OFFSET = 0.25, 4.0  # emission is scale * value + offset: negative values come through
 TILE, COLUMNS = 40, 10
 Node = tuple[str, dict[str, Any], dict[str, Any]]
 Case = tuple[str, list[Node], str]
@@ -158,10 +158,6 @@ def _images(bpy: Any) -> dict[str, Any]:
     }
 
 
-def _socket(sockets: Any, identifier: str) -> Any:
-    return next(s for s in sockets if s.identifier == identifier)
-
-
 def _material(bpy: Any, case: Case, things: dict[str, Any]) -> Any:
     name, nodes, output = case
     material = bpy.data.materials.new(name)
@@ -176,20 +172,12 @@ def _material(bpy: Any, case: Case, things: dict[str, Any]) -> Any:
         for key, value in params.items():
             setattr(item, key, things[value] if key in ("image", "object") else value)
         for key, value in inputs.items():
-            target = _socket(item.inputs, key)
+            target = socket(item.inputs, key)
             if isinstance(value, list):
-                tree.links.new(_socket(built[value[0]].outputs, value[1]), target)
+                tree.links.new(socket(built[value[0]].outputs, value[1]), target)
             else:
                 target.default_value = value
-    encode = tree.nodes.new("ShaderNodeVectorMath")
-    encode.operation = "MULTIPLY_ADD"
-    encode.inputs[1].default_value = (SCALE,) * 3
-    encode.inputs[2].default_value = (OFFSET,) * 3
-    emission = tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(_socket(built[-1].outputs, output), encode.inputs[0])
-    tree.links.new(encode.outputs[0], emission.inputs["Color"])
-    surface = tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"]
-    tree.links.new(emission.outputs[0], surface)
+    emit(tree, socket(built[-1].outputs, output))
     return material
 
 

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import surface_values
+from emitted_values import decoded
 from numpy.typing import NDArray
-from surface_values import CASES, COLUMNS, OFFSET, SCALE, TILE
+from surface_values import CASES, COLUMNS, TILE
 
 FloatArray = NDArray[np.float32]
 
@@ -50,7 +51,7 @@ def test_node_agrees_with_cycles_on_a_sphere(number: int, pictures: dict[str, Fl
     # The rim is left out: there a hundredth of a pixel is much of the sphere.
     sphere = inside(theirs.max(axis=2) > 0, 3)
     assert sphere.sum() > 300
-    theirs, ours = (theirs[sphere] - OFFSET) / SCALE, (ours[sphere] - OFFSET) / SCALE
+    theirs, ours = decoded(theirs[sphere]), decoded(ours[sphere])
     error = np.abs(ours - theirs).max(axis=1) / max(1.0, float(np.abs(theirs).max()))
     # The pixel's jitter of a hundredth, times slopes up to one in a few pixels. Steps of closest
     # interpolation may fall on the other side in few pixels.

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 import bpy
 
 from .command_line import render_failed
-from .core import CoreMissingError, core
+from .core import CoreMissingError, core, has_core
 from .passes import register_passes
 
 
@@ -91,6 +92,9 @@ def fail(engine: bpy.types.RenderEngine, message: str) -> None:
 
 def register() -> None:
     bpy.utils.register_class(VernierRenderEngine)
+    if has_core():
+        # Read now: the first render's time is not the place for it.
+        importlib.import_module(".session", __package__)
 
 
 def unregister() -> None:

@@ -105,6 +105,17 @@ Result filter_offsets(const std::string& kind, float width, const Rows2& u) {
   return table.release();
 }
 
+// Densities of offsets along one axis, per pixel.
+std::vector<float> filter_densities(const std::string& kind, float width,
+                                    const std::vector<float>& offsets) {
+  const PixelFilter2d filter(filter_kind(kind), width);
+  std::vector<float> densities;
+  for (const float offset : offsets) {
+    densities.push_back(filter.pdf_1d(offset));
+  }
+  return densities;
+}
+
 std::vector<std::array<uint32_t, 3>> triangulate_polygon(const Rows3& polygon) {
   std::vector<Vec3f> points;
   for (size_t i = 0; i < polygon.shape(0); ++i) {
@@ -122,6 +133,7 @@ void bind_core_probes(nb::module_& m) {
   m.def("camera_connections", &camera_connections);
   m.def("sobol_points", &sobol_points);
   m.def("filter_offsets", &filter_offsets);
+  m.def("filter_densities", &filter_densities);
   m.def("triangulate", &triangulate_polygon);
   m.def("batch_samples", &batch_samples, nb::arg("total_before"), nb::arg("share") = 4);
   m.def("interval_factor", &interval_factor);

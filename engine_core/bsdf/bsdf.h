@@ -132,8 +132,8 @@ class Bsdf {
   static constexpr int kMaxSingularEvents = 2 * kMaxLobes + 1;
   int singular_events(std::array<BsdfSample, kMaxSingularEvents>& events) const;
 
-  // The delta distribution with the bits `lobe` whose direction is nearest to wi: with kRadiance,
-  // `pdf` the probability of its choice and `weight` the full ratio. Empty: there is none.
+  // The delta distributions with the bits `lobe` that scatter to wi, all together: with kRadiance,
+  // `pdf` the probability of their choice and `weight` the full ratio. Empty: there is none.
   std::optional<BsdfSample> singular_toward(Vec3f wi, uint8_t lobe) const;
 
   // Union of the bits of what may be sampled.

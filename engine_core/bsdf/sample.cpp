@@ -150,17 +150,23 @@ std::optional<BsdfSample> Bsdf::sample_singular(int index, float u, float probab
     const float sign = transmits ? -1.0f : 1.0f;
     RawArray<LobeSide, kMaxLobes> far;
     const float transparent = see_all({ng_ * sign, sample.wi, sign}, far);
+    // A normal that was corrected for one side's direction scatters elsewhere from the other.
+    const bool both_ways = far[index].normal == n * sign;
     if constexpr (kReverse) {
       const float total = mask == kLobeAny ? 1.0f : permitted_total(far, transparent, mask);
       const FresnelSplit back =
           lobe_fresnel(lobe, std::abs(wi_n), eta_from(lobe, sign), film_ior_from(lobe, sign));
       const float back_reflects =
           reflect_probability(back, allowed.reflection, allowed.transmission);
-      sample.pdf_reverse = total > 0.0f ? far[index].select / total *
-                                              (refracts ? 1.0f - back_reflects : back_reflects)
-                                        : 0.0f;
+      sample.pdf_reverse =
+          total > 0.0f && both_ways
+              ? far[index].select / total * (refracts ? 1.0f - back_reflects : back_reflects)
+              : 0.0f;
     }
     if (!radiance) {
+      if (!both_ways) {
+        return std::nullopt;
+      }
       // Veach 1997, sections 5.2 and 5.3, for a delta distribution: its change of variables from
       // the camera's to the light's direction brings the cosines at n and the squared indices.
       scale = far[index].scale * (std::abs(wi_cos) / wo_cos_) * (wo_n / std::abs(wi_n)) /
@@ -280,27 +286,39 @@ int Bsdf::singular_events(std::array<BsdfSample, kMaxSingularEvents>& events) co
 }
 
 std::optional<BsdfSample> Bsdf::singular_toward(Vec3f wi, uint8_t lobe) const {
-  std::optional<BsdfSample> nearest;
+  // Refraction near the horizon magnifies the rounding of directions: a milliradian is far more.
+  constexpr float kSameDirection = 1e-3f;
+  std::optional<BsdfSample> all;
   const auto consider = [&](const std::optional<BsdfSample>& event) {
-    if (event && event->lobe == lobe && (!nearest || dot(event->wi, wi) > dot(nearest->wi, wi))) {
-      nearest = event;
+    if (!event || event->lobe != lobe ||
+        length_squared(event->wi - wi) > kSameDirection * kSameDirection) {
+      return false;
     }
+    const Color weight = event->weight * event->pdf;
+    if (all) {
+      all->weight += weight;
+      all->pdf += event->pdf;
+    } else {
+      all = event;
+      all->weight = weight;
+    }
+    return true;
   };
   for (int i = 0; i < count_; ++i) {
     if (lobes_[i].singular) {
       // The ends of [0,1) choose reflection and refraction, where both exist.
-      for (const float u : {0.0f, kOneMinusEpsilon}) {
-        consider(sample_singular<false>(i, u, near_[i].select, Transport::kRadiance, kLobeAny));
+      const auto event = [&](float u) {
+        return sample_singular<false>(i, u, near_[i].select, Transport::kRadiance, kLobeAny);
+      };
+      if (!consider(event(0.0f))) {
+        consider(event(kOneMinusEpsilon));
       }
     }
   }
   if (transparent_select_ > 0.0f) {
     consider(sample_transparent<false>(transparent_select_, kLobeAny));
   }
-  if (nearest) {
-    nearest->weight *= nearest->pdf;
-  }
-  return nearest;
+  return all;
 }
 
 std::optional<BsdfSample> Bsdf::sample(float u_lobe, Vec2f u, Transport transport,

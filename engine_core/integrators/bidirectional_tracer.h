@@ -177,8 +177,8 @@ class BidirectionalTracer {
     return state;
   }
 
-  static Receiver receiver_at(const PathVertex& v) {
-    return {v.point, (v.bsdf.lobes() & kLobeTransmission) != 0};
+  Receiver receiver_at(const PathVertex& v) const {
+    return {v.point, (lobes_of_both_sides(scene_, v.point, v.bsdf) & kLobeTransmission) != 0};
   }
 
   // Joins a light vertex to the camera: technique (s, 1).
@@ -224,11 +224,20 @@ class BidirectionalTracer {
     flux = clamp(flux, walk.depth.total == 0);
     observer_.found({s, 1, light_number_, &v, nullptr, c->wi, c->distance, others, flux});
     if constexpr (F.passes) {
-      const LightShares shares = light_shares(v.bsdf, c->wi, Transport::kImportance, kLobeAny);
-      splats_.add(c->raster, flux, shares, walk.depth.total == 0);
+      splats_.add(c->raster, flux, shares_toward_camera(v, c->wi), walk.depth.total == 0);
     } else {
       splats_.add(c->raster, flux);
     }
+  }
+
+  // The light passes' parts of what a light's vertex scatters to the camera.
+  LightShares shares_toward_camera(const PathVertex& v, Vec3f wi) const {
+    if (!differs_from(v, wi)) {
+      return light_shares(v.bsdf, wi, Transport::kImportance, kLobeAny);
+    }
+    Bsdf seen;
+    evaluate_bsdf(scene_, seen_from(v.point, wi), seen);
+    return light_shares(seen, v.point.wo, Transport::kRadiance, kLobeAny);
   }
 
   // ---- From the camera.
@@ -246,7 +255,8 @@ class BidirectionalTracer {
     PathVertex& vertex() { return tracer.camera_path_.append(); }
     bool arrive(const Walk& walk, PathVertex& v) { return tracer.arrive(walk, v, *this); }
     void pass(const PathVertex& v) {
-      crosses = crosses && v.other_reaches;
+      // What only the camera sees splats pass as well: it need not be reached.
+      crosses = crosses && !tracer.scene_.materials[v.point.material]->traits().path_dependent;
       if (!v.bsdf.connectible()) {
         tracer.camera_path_.drop();
       }
@@ -259,7 +269,7 @@ class BidirectionalTracer {
         }
       }
       departure = tracer.depart(v, sample);
-      receiver = receiver_at(v);
+      receiver = tracer.receiver_at(v);
       crosses = true;
     }
     // Where the direction was sampled with a density, or null.
@@ -411,7 +421,7 @@ class BidirectionalTracer {
   // Joins the two sub-paths: technique (s, t) with both at least 2.
   void connect(const Walk& walk, const PathVertex& v, const PathVertex& y, Vec2f u) {
     const int s = y.point.depth.total + 2;
-    if (!techniques_.show(s, walk.depth.total + 2) || !v.other_reaches ||
+    if (!techniques_.show(s, walk.depth.total + 2) ||
         !walks_.limits.allow_joined(walk.depth, y.point.depth)) {
       return;
     }
@@ -446,8 +456,10 @@ class BidirectionalTracer {
         static_cast<double>(at_y.pdf) * static_cast<double>(abs_cosine(v.point, wi)) * inverse_d2;
     const double from_camera =
         static_cast<double>(at_v.pdf) * static_cast<double>(abs_cosine(y.point, wi)) * inverse_d2;
-    const double others = v.mis.sum(heuristic_, from_light, static_cast<double>(at_v.pdf_reverse)) +
-                          y.mis.sum(heuristic_, from_camera, static_cast<double>(at_y.pdf_reverse));
+    double others = y.mis.sum(heuristic_, from_camera, static_cast<double>(at_y.pdf_reverse));
+    if (v.other_reaches) {
+      others += v.mis.sum(heuristic_, from_light, static_cast<double>(at_v.pdf_reverse));
+    }
     if (!worthwhile(c, techniques_.weight(others), u.y)) {
       return;
     }

@@ -135,20 +135,26 @@ constexpr float kLargestCoordinate = 1e17f;
 
 // Fills in the tree, the distant lights' shares and the powers.
 // Whether what the light reaches depends on nothing but what is in the way: only then do paths that
-// start at it carry what the camera's paths would find. Lights that shine through walls or on some
-// kinds of surfaces only are left to those.
+// start at it carry what the camera's paths would find. Lights that shine through walls, on some
+// kinds of surfaces only, or otherwise on each receiver are left to those.
 bool shines_evenly(const LightTable& table, uint32_t light) {
   const auto unhidden = [](uint32_t visibility) {
     return (visibility & kVisibleScattered) == kVisibleScattered;
   };
+  const auto alike = [](const Material& shader) { return !shader.traits().path_dependent; };
   if (table.is_triangle(light)) {
-    return unhidden(table.scene->instances[table.triangles[light].instance].visibility);
+    const TriangleLight& triangle = table.triangles[light];
+    return alike(*triangle.material) &&
+           unhidden(table.scene->instances[triangle.instance].visibility);
   }
   if (table.is_environment(light)) {
-    return unhidden(table.scene->world_visibility | kVisibleShadow);
+    return alike(*table.scene->world) && unhidden(table.scene->world_visibility | kVisibleShadow);
   }
   const Lamp& lamp = table.lamp(light);
-  return lamp.cast_shadow && unhidden(lamp.visibility | kVisibleShadow);
+  // What varies over a lamp that faces its receiver varies with the receiver.
+  const bool faces = lamp.soft && !lamp.delta && lamp.shader != nullptr;
+  return lamp.cast_shadow && unhidden(lamp.visibility | kVisibleShadow) && !faces &&
+         (lamp.shader == nullptr || alike(*lamp.shader));
 }
 
 void weigh_lights(LightTable& table) {

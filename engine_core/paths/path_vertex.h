@@ -54,6 +54,15 @@ inline bool differs_from(const PathVertex& v, Vec3f wi) {
          (v.traits->side_dependent && dot(v.point.ng, wi) < 0.0f);
 }
 
+// The bits of all lobes that `bsdf`, of the closures at `point`, may have as seen from anywhere:
+// what densities depend on that paths from either side must agree on.
+inline uint8_t lobes_of_both_sides(const Scene& scene, const SurfacePoint& point,
+                                   const Bsdf& bsdf) {
+  const MaterialTraits& traits = scene.materials[point.material]->traits();
+  const bool varies = traits.side_dependent || traits.direction_dependent || traits.path_dependent;
+  return varies ? traits.lobes : bsdf.lobes();
+}
+
 // Scattering between point.wo and wi, smooth lobes only; f, pdf and pdf_reverse as Bsdf has them
 // for the vertex's mode. Closures that depend on the viewer are those that the camera's side sees,
 // and each side's density is of the closures that it sees itself.
@@ -87,7 +96,13 @@ inline bool see_from_other_side(const Scene& scene, const PathVertex& v, BsdfSam
   evaluate_bsdf(scene, seen_from(v.point, sample.wi), other);
   const std::optional<BsdfSample> back = other.singular_toward(v.point.wo, sample.lobe);
   sample.pdf_reverse = back ? back->pdf : 0.0f;
+  const std::optional<BsdfSample> here = v.bsdf.singular_toward(sample.wi, sample.lobe);
+  if (!here) {
+    return false;  // by rounding
+  }
+  sample.pdf = here->pdf;
   if (v.mode == Transport::kRadiance) {
+    sample.weight = here->weight / sample.pdf;
     return true;
   }
   if (!back) {

@@ -1,0 +1,108 @@
+// A probe of whole paths: their densities, weights and throughputs are made anew and compared.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/bind.h"
+#include "integrators/bidirectional_plan.h"
+#include "integrators/bidirectional_tracer.h"
+#include "integrators/path_verifier.h"
+
+namespace nb = nanobind;
+
+namespace vernier {
+namespace {
+
+// Traces `samples` samples of every pixel and verifies each path that they find, with the plan that
+// a pilot makes or without one. A dictionary of
+// (count, failures, worst, worst path) by check, of counts by technique, and of what was left out.
+nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValue>& values,
+                      uint32_t samples, double tolerance, bool pilot) {
+  const auto scene = scene_of(handle);
+  Settings settings = make_settings(values);
+  settings.roulette_threshold = 0.0;  // throughputs are to be those of the densities
+  const PixelFilter2d filter(scene->film.filter, scene->film.filter_width);
+  const std::atomic<bool> cancelled{false};
+  RenderContext context{*scene, settings, filter, cancelled};
+  RenderStats stats;
+  BidirectionalPlan plan;
+  plan.guide = scene->lights->guide_by_power();
+  if (pilot) {
+    const auto made = make_bidirectional_plan(context, static_cast<uint64_t>(settings.seed), stats);
+    plan = static_cast<const BidirectionalPlan&>(*made);
+    plan.inverse_threshold = kInfinity;  // nothing is let go by chance
+  }
+  context.plan = &plan;
+  const auto& crop = scene->film.crop;
+  SplatFrame splats(crop[2] - crop[0], crop[3] - crop[1], false);
+  BidirectionalMemory memory;
+  PathVerifier verifier(*scene, settings, plan.guide, memory, tolerance);
+  NoPassSample passes;
+  constexpr BidirectionalFeatures kFeatures{false, true};
+  for (int y = crop[1]; y < crop[3]; ++y) {
+    for (int x = crop[0]; x < crop[2]; ++x) {
+      for (uint32_t i = 0; i < samples; ++i) {
+        const SobolSampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), i,
+                                   static_cast<int>(std::bit_width(samples - 1u)),
+                                   static_cast<uint64_t>(settings.seed));
+        const Vec2f offset = filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
+        const CameraRay ray = scene->camera->generate_ray(
+            {static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y},
+            sampler.get_2d(dimension(CameraDim::kLens)));
+        BidirectionalTracer<kFeatures, PathVerifier>(context, sampler, stats, &splats, passes,
+                                                     memory, verifier)
+            .run(ray);
+      }
+    }
+  }
+  const PathReport& report = verifier.report();
+  nb::dict result;
+  for (size_t i = 0; i < report.checks.size(); ++i) {
+    const PathReport::Check& check = report.checks[i];
+    result[kPathCheckNames[i]] =
+        nb::make_tuple(check.count, check.failures, check.worst, check.worst_path);
+  }
+  nb::dict techniques;
+  for (const auto& [technique, count] : report.techniques) {
+    techniques[nb::make_tuple(technique.first, technique.second)] = count;
+  }
+  result["techniques"] = techniques;
+  result["unseen"] = report.unseen;
+  result["non_finite"] = stats.non_finite;
+  return result;
+}
+
+// Rows (u_select, u_position, u_direction) into rows of the density with which a ray was made, over
+// area across it and solid angle, by its own sample and as the density of any such ray: equal, or
+// both 0 where the sample has no radiance.
+std::vector<std::array<double, 2>> emission_ray_densities(
+    nb::handle handle, const std::vector<std::array<float, 5>>& u) {
+  const auto scene = scene_of(handle);
+  const LightSampler& lights = *scene->lights;
+  const EmissionGuide& guide = lights.guide_by_power();
+  std::vector<std::array<double, 2>> rows(u.size());
+  for (size_t i = 0; i < u.size(); ++i) {
+    EmissionSample e;
+    if (!lights.sample_emission(guide, u[i][0], {u[i][1], u[i][2]}, {u[i][3], u[i][4]}, e)) {
+      continue;
+    }
+    // Somewhere along the ray, outside of what it starts from.
+    const Vec3f p = e.p + e.direction * (0.5f * scene->radius + e.lit_from);
+    rows[i] = {static_cast<double>(e.pdf_position) * static_cast<double>(e.pdf_direction) *
+                   static_cast<double>(e.pdf_selection) / static_cast<double>(e.cosine),
+               static_cast<double>(lights.pdf_emission_ray(guide, e.light, p, e.direction))};
+  }
+  return rows;
+}
+
+}  // namespace
+
+void bind_paths_probes(nb::module_& m) {
+  m.def("verify_paths", &verify_paths, nb::arg("scene"), nb::arg("settings"), nb::arg("samples"),
+        nb::arg("tolerance"), nb::arg("pilot"));
+  m.def("emission_ray_densities", &emission_ray_densities);
+}
+
+}  // namespace vernier

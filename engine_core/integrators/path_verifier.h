@@ -1,0 +1,85 @@
+// Proves the tracer's bookkeeping: every path that it finds is made anew from its vertices, and
+// what the sub-paths carry along is compared with what the path as a whole says.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "integrators/technique_set.h"
+#include "lights/emission_guide.h"
+#include "lights/light_sample.h"
+#include "paths/technique_pdfs.h"
+#include "render/settings.h"
+#include "scene/scene.h"
+
+namespace vernier {
+
+// What is compared. Values that agree differ by rounding.
+enum class PathCheck : size_t {
+  kDensity,     // a vertex's area density by its own walk; relative
+  kScattering,  // a BSDF's value and both densities, as either side of a vertex sees them; relative
+  kWeight,      // the weight as found, and of the plain form; absolute
+  kRecursion,   // the recursive form over the whole path, and the plain form; absolute
+  kSum,         // of the recursive form's weights over all techniques, and 1; absolute
+  kThroughput,  // the contribution without its weight; relative
+  kCount,
+};
+inline constexpr std::array<const char*, static_cast<size_t>(PathCheck::kCount)> kPathCheckNames{
+    "density", "scattering", "weight", "recursion", "sum", "throughput"};
+
+struct PathReport {
+  struct Check {
+    uint64_t count = 0;
+    uint64_t failures = 0;  // beyond the tolerance that was given
+    double worst = 0;
+    std::string worst_path;  // in words
+  };
+  std::array<Check, static_cast<size_t>(PathCheck::kCount)> checks;
+  std::map<std::pair<int, int>, uint64_t> techniques;  // paths found by (s, t)
+  // Paths along surfaces, or whose end on the light could not be met again: on rims, by rounding.
+  uint64_t unseen = 0;
+};
+
+// An observer of BidirectionalTracer. Roulette, clamping and everything else that ends paths by
+// chance must be off for kThroughput. It is left out where paths pass through surfaces by chance,
+// and where lights reach some lobes only, which also have no weights that could sum to 1.
+class PathVerifier {
+ public:
+  PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
+               const BidirectionalMemory& memory, double tolerance);
+
+  void emitted(const EmissionSample&) {}
+  void found(const FoundPath& found);
+
+  const PathReport& report() const { return report_; }
+
+ private:
+  struct Vertex;
+  struct End;
+
+  std::vector<Vertex> vertices_of(const FoundPath& found) const;
+  bool meet_light(const FoundPath& found, const Vertex& last, End& end) const;
+  Receiver receiver_at(const Vertex& v) const;
+  void see(Vertex& v, bool scatters_by_chance) const;
+  void compare(const FoundPath& found, PathCheck check, double a, double b, bool relative);
+  void compare_scattering(const FoundPath& found, const Vertex& v);
+  void compare_throughput(const FoundPath& found, const std::vector<Vertex>& vertices,
+                          const Path& path, const End& end, const std::vector<double>& log_pdfs);
+  bool crossed_by_light(const Vertex& from, const Vertex* to, float distance) const;
+
+  const Scene& scene_;
+  const TechniqueSet techniques_;
+  const MisHeuristic heuristic_;
+  const bool power_;
+  const EmissionGuide& guide_;
+  const BidirectionalMemory& memory_;
+  const double tolerance_;
+  const double light_share_;
+  PathReport report_;
+};
+
+}  // namespace vernier

@@ -36,11 +36,6 @@ inline float power_heuristic(float a, float b) {
   return 1.0f / (1.0f + ratio * ratio);
 }
 
-// Light can be caught without loss, by total internal reflection in a crystal say: from this many
-// bounces on roulette ends some paths whatever they carry, so that every path ends.
-constexpr int kLossless = 64;
-constexpr float kMostSurvival = 0.95f;
-
 // A path without end (no roulette, no limit, no loss) must still hear a cancel.
 constexpr uint32_t kPollVertices = 256;
 
@@ -133,7 +128,11 @@ class PathTracer {
       if (!is_black(bsdf.emission)) {
         add_emission(point, bsdf.emission);
       }
-      if (!sample_light(vertex, point, bsdf) || !continue_path(vertex, point, bsdf, ray)) {
+      if (bsdf.lobes() == 0) {
+        break;
+      }
+      draws_ = sampler_.get_2d_run<kDraws>(dimension(vertex, BounceDim{}));
+      if (!sample_light(point, bsdf) || !continue_path(vertex, point, bsdf, ray)) {
         break;
       }
     }
@@ -141,6 +140,10 @@ class PathTracer {
   }
 
  private:
+  static constexpr auto kDraws = static_cast<uint32_t>(BounceDim::kCount);
+
+  Vec2f draw(BounceDim d) const { return draws_[static_cast<size_t>(d)]; }
+
   // Where the current direction was sampled with a density, or null.
   const Receiver* receiver() const { return pdf_ > 0.0f ? &receiver_ : nullptr; }
 
@@ -235,20 +238,17 @@ class PathTracer {
   }
 
   // Next-event estimation. False where the mixture estimator chose it, and the path ends here.
-  bool sample_light(uint32_t vertex, const SurfacePoint& point, const Bsdf& bsdf) {
+  bool sample_light(const SurfacePoint& point, const Bsdf& bsdf) {
     if (!bsdf.connectible() || lights_.count() == 0 || !next_depth_allowed()) {
       return true;
     }
     const bool mixture = strategy_ == DirectLight::kMixture;
-    const Vec2f choice = mixture || lights_.count() > 1
-                             ? sampler_.get_2d(dimension(vertex, BounceDim::kLightChoice))
-                             : Vec2f{};
+    const Vec2f choice = draw(BounceDim::kLightChoice);
     const float q = static_cast<float>(settings_.light_fraction);
     const bool toward_light = !mixture || choice.y < q;
     LightSample light;
     const Receiver from(point, (bsdf.lobes() & kLobeTransmission) != 0);
-    if (lights_.sample(from, choice.x, sampler_.get_2d(dimension(vertex, BounceDim::kLightPoint)),
-                       light)) {
+    if (lights_.sample(from, choice.x, draw(BounceDim::kLightPoint), light)) {
       add_light(point, bsdf, light, toward_light);
     }
     if (mixture && toward_light) {
@@ -312,9 +312,9 @@ class PathTracer {
   bool next_depth_allowed() const { return depth_.total < limits_.total; }
 
   // Draws the next direction. Empty: the path ends.
-  std::optional<BsdfSample> next_direction(uint32_t vertex, const SurfacePoint& point,
-                                           const Bsdf& bsdf, float u_lobe) {
-    const Vec2f u = sampler_.get_2d(dimension(vertex, BounceDim::kDirection));
+  std::optional<BsdfSample> next_direction(const SurfacePoint& point, const Bsdf& bsdf) const {
+    const Vec2f u = draw(BounceDim::kDirection);
+    const float u_lobe = draw(BounceDim::kLobe).x;
     if (strategy_ != DirectLight::kUniform || !bsdf.connectible()) {
       return bsdf.sample_forward(u_lobe, u, Transport::kRadiance);
     }
@@ -345,11 +345,7 @@ class PathTracer {
 
   // Scatters, and sets up the ray to the next vertex. False where the path ends.
   bool continue_path(uint32_t vertex, const SurfacePoint& point, const Bsdf& bsdf, Ray& ray) {
-    // A single lobe needs no choice, and roulette begins later: then nothing is drawn.
-    const bool choose = !bsdf.single_lobe() || depth_.total >= settings_.roulette_start ||
-                        vertex >= kLongPath || strategy_ == DirectLight::kUniform;
-    const Vec2f u = choose ? sampler_.get_2d(dimension(vertex, BounceDim::kLobe)) : Vec2f{};
-    const auto sample = next_direction(vertex, point, bsdf, u.x);
+    const auto sample = next_direction(point, bsdf);
     if (!sample || is_black(sample->weight)) {
       return false;
     }
@@ -364,7 +360,7 @@ class PathTracer {
       return false;
     }
     beta_ *= sample->weight;
-    if (!survive_roulette(vertex, u.y)) {
+    if (!survive_roulette(vertex)) {
       return false;
     }
     if (!straight) {
@@ -382,7 +378,7 @@ class PathTracer {
 
   // Ends the path with a probability that grows as it carries less, and raises those that go on
   // by as much, so that the expectation stays (Arvo and Kirk 1990).
-  bool survive_roulette(uint32_t vertex, float u) {
+  bool survive_roulette(uint32_t vertex) {
     float survival = 1.0f;
     if (depth_.total > settings_.roulette_start) {
       const auto threshold = static_cast<float>(settings_.roulette_threshold);
@@ -392,7 +388,7 @@ class PathTracer {
     if (vertex >= kLongPath) {
       survival = std::min(survival, kLongPathSurvival);
     }
-    if (!(u < survival)) {
+    if (!(draw(BounceDim::kLobe).y < survival)) {
       return false;
     }
     if (survival < 1.0f) {
@@ -412,6 +408,7 @@ class PathTracer {
   Passes& pass_sample_;
   std::conditional_t<F.passes, LightPasses, NoPasses> passes_;
 
+  std::array<Vec2f, kDraws> draws_;  // of this vertex
   Color radiance_;
   Color beta_ = splat(1.0f);
   float alpha_ = 1.0f;

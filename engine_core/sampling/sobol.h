@@ -9,6 +9,7 @@
 // (Laine and Karras 2011; Burley 2020, "Practical Hash-based Owen Scrambling").
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -78,15 +79,34 @@ class SobolSampler {
   }
 
   // A point of [0,1)^2 for the dimension pair.
-  Vec2f get_2d(uint32_t dimension) const {
-    const uint64_t h = hash64(seed_ + dimension);
-    const auto shuffle = static_cast<uint32_t>(h);
-    const auto scramble = static_cast<uint32_t>(h >> 32);
-    const uint32_t i = reverse_bits(laine_karras(reversed_, shuffle));
-    const uint32_t a = reverse_bits(laine_karras(i, scramble));
-    const uint32_t b =
-        reverse_bits(laine_karras(pascal_product(i), scramble * 0x9e3779b1u + 0x7f4a7c15u));
-    return {to_unit_float(a), to_unit_float(b)};
+  Vec2f get_2d(uint32_t dimension) const { return get_2d_run<1>(dimension)[0]; }
+
+  // The points of `kCount` dimension pairs from `first` on. Four together cost little more than
+  // one alone: the loops become vector instructions.
+  template <uint32_t kCount>
+  std::array<Vec2f, kCount> get_2d_run(uint32_t first) const {
+    // Numbers in the sequence, and seeds of the scrambling: all x, then all y.
+    std::array<uint32_t, 2 * kCount> number, scramble;
+    std::array<uint32_t, kCount> shuffle;
+    for (uint32_t i = 0; i < kCount; ++i) {
+      const uint64_t h = hash64(seed_ + first + i);
+      shuffle[i] = static_cast<uint32_t>(h);
+      scramble[i] = static_cast<uint32_t>(h >> 32);
+    }
+    for (uint32_t i = 0; i < kCount; ++i) {
+      number[i] = reverse_bits(laine_karras(reversed_, shuffle[i]));
+      number[kCount + i] = pascal_product(number[i]);
+      scramble[kCount + i] = scramble[i] * 0x9e3779b1u + 0x7f4a7c15u;
+    }
+    std::array<float, 2 * kCount> value;
+    for (uint32_t i = 0; i < 2 * kCount; ++i) {
+      value[i] = to_unit_float(reverse_bits(laine_karras(number[i], scramble[i])));
+    }
+    std::array<Vec2f, kCount> points;
+    for (uint32_t i = 0; i < kCount; ++i) {
+      points[i] = {value[i], value[kCount + i]};
+    }
+    return points;
   }
 
  private:

@@ -131,6 +131,7 @@ class PathTracer {
       if (bsdf.lobes() == 0) {
         break;
       }
+      here_ = Receiver(point, (bsdf.lobes() & kLobeTransmission) != 0);
       draws_ = sampler_.get_2d_run<kDraws>(dimension(vertex, BounceDim{}));
       if (!sample_light(point, bsdf) || !continue_path(vertex, point, bsdf, ray)) {
         break;
@@ -247,8 +248,7 @@ class PathTracer {
     const float q = static_cast<float>(settings_.light_fraction);
     const bool toward_light = !mixture || choice.y < q;
     LightSample light;
-    const Receiver from(point, (bsdf.lobes() & kLobeTransmission) != 0);
-    if (lights_.sample(from, choice.x, draw(BounceDim::kLightPoint), light)) {
+    if (lights_.sample(here_, choice.x, draw(BounceDim::kLightPoint), light)) {
       add_light(point, bsdf, light, toward_light);
     }
     if (mixture && toward_light) {
@@ -369,7 +369,7 @@ class PathTracer {
       const bool singular = (sample->lobe & kLobeSingular) != 0;
       pdf_ = singular ? 0.0f : sample->pdf;
       if (!singular) {
-        receiver_ = Receiver(point, (bsdf.lobes() & kLobeTransmission) != 0);
+        receiver_ = here_;
       }
     }
     ray = spawn_ray(point, sample->wi);
@@ -416,7 +416,8 @@ class PathTracer {
   bool recorded_ = false;   // the passes of one surface have their values
   float pdf_ = 0.0f;        // of the current direction; 0: camera, or a singular bounce
   float travelled_ = 0.0f;  // distance from receiver_ along it
-  Receiver receiver_;
+  Receiver receiver_;       // where it was sampled
+  Receiver here_;           // the current vertex
   PathDepth depth_;
   uint32_t ray_flags_ = kRayCamera;
   uint32_t ray_mask_ = kVisibleCamera;

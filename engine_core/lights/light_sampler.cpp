@@ -184,7 +184,6 @@ bool LightSampler::sample(const Receiver& from, float u_select, Vec2f u, LightSa
 
 bool LightSampler::sample_light(const Receiver& from, uint32_t light, Vec2f u,
                                 LightSample& out) const {
-  out = LightSample{};
   out.light = light;
   out.pdf_selection = 1.0f;
   const bool found = table_->is_triangle(light)      ? sample_triangle(light, from, u, out)

@@ -135,8 +135,12 @@ bool ProgramBuilder::is_constant(Value value, float scalar) const {
 }
 
 uint32_t ProgramBuilder::add_floats(std::span<const float> floats) {
-  const auto first = static_cast<uint32_t>(data_.floats.size());
-  data_.floats.insert(data_.floats.end(), floats.begin(), floats.end());
+  const auto known =
+      std::search(data_.floats.begin(), data_.floats.end(), floats.begin(), floats.end());
+  const auto first = static_cast<uint32_t>(known - data_.floats.begin());
+  if (known == data_.floats.end()) {
+    data_.floats.insert(data_.floats.end(), floats.begin(), floats.end());
+  }
   return first;
 }
 

@@ -47,7 +47,8 @@ class ProgramBuilder {
   Vec4f constant_value(Value value) const;  // of a constant
   bool is_constant(Value value, float scalar) const;
 
-  // Appends to the data tables and returns the index of the first element.
+  // Appends to the data tables and returns the index of the first element. Floats that are there
+  // already are not added again, so that equal instructions are known for it.
   uint32_t add_floats(std::span<const float> floats);
   uint32_t add_image(const ImageTexture* image);
   uint32_t add_sky(const PreethamSky& sky);

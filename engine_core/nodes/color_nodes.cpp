@@ -66,10 +66,10 @@ void lower_mix_rgb(NodeLowering& node) {
 // Data of a table: see TableHeader.
 uint32_t add_table(NodeLowering& node, std::span<const float> rows, float min, float max,
                    bool extrapolate) {
-  const float header[] = {static_cast<float>(rows.size() / 4), min, max, extrapolate ? 1.0f : 0.0f};
-  const uint32_t first = node.builder().add_floats(header);
-  node.builder().add_floats(rows);
-  return first;
+  std::vector<float> table{static_cast<float>(rows.size() / 4), min, max,
+                           extrapolate ? 1.0f : 0.0f};
+  table.insert(table.end(), rows.begin(), rows.end());
+  return node.builder().add_floats(table);
 }
 
 void lower_ramp(NodeLowering& node) {

@@ -47,7 +47,7 @@ void lower_tex_coord(NodeLowering& node) {
     std::copy(rows.begin(), rows.end(), to_world.m.begin());
     const uint32_t data = node.builder().add_floats(inverse(to_world).m);
     const Value p = node.emit(Op::kGeometry, GeometryValue::kPosition, kVector, {});
-    node.set("Object", node.emit(Op::kObjectMatrix, 0, kVector, {p}, data));
+    node.set("Object", node.emit(Op::kMatrix, 0, kVector, {p}, data));
   }
 }
 

@@ -34,7 +34,7 @@ Vec4f execute_curves(const float* table, Vec3f value, float factor) {
   return to_register(value * (1.0f - factor) + curved * factor);
 }
 
-Vec4f execute_object_matrix(const float* rows, Vec3f p) {
+Vec4f execute_matrix(const float* rows, Vec3f p) {
   Transform t;
   std::copy_n(rows, t.m.size(), t.m.begin());
   return to_register(t.point(p));
@@ -137,6 +137,8 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
     case Op::kMapping:
       return to_register(map_vector(static_cast<MappingKind>(in.variant), a.vector(0), a.vector(1),
                                     a.vector(2), a.vector(3)));
+    case Op::kMatrix:
+      return execute_matrix(floats(), a.vector(0));
     case Op::kVectorTransform:
       return to_register(transform_between(static_cast<TransformKind>(in.variant & 3u),
                                            static_cast<VectorSpace>(in.variant >> 2 & 3u),
@@ -194,8 +196,6 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
       return to_register(geometry_value(static_cast<GeometryValue>(in.variant), point));
     case Op::kAttribute:
       return attribute_value(static_cast<AttributeUse>(in.variant), point, in.data);
-    case Op::kObjectMatrix:
-      return execute_object_matrix(floats(), a.vector(0));
     case Op::kObjectInfo:
       return to_register(object_value(static_cast<ObjectValue>(in.variant), point));
     case Op::kLightPath:
@@ -223,21 +223,29 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
   return {};
 }
 
-void run(const Program& program, const ProgramData& data, const SurfacePoint& point,
-         Vec4f* registers) {
-  SurfacePoint shifted_x, shifted_y;
-  float step = 0.0f;
-  if (program.uses_bump) {
-    step = bump_step(point, program.bump_filter);
-    shifted_x = shifted(point, ShiftAxis::kX, step);
-    shifted_y = shifted(point, ShiftAxis::kY, step);
-  }
-  const SurfacePoint* const points[] = {&point, &shifted_x, &shifted_y};
+namespace {
+
+// `points` by EvaluationPoint.
+void run_at(const std::array<const SurfacePoint*, 3>& points, float step, const Program& program,
+            const ProgramData& data, Vec4f* registers) {
   const Operand* const operands = program.operands.data();
   for (const Instruction& instruction : program.code) {
     const Arguments arguments(registers, program.constants.data(), operands + instruction.operands);
     registers[instruction.result] = execute(instruction, arguments, data,
                                             *points[static_cast<size_t>(instruction.point)], step);
+  }
+}
+
+}  // namespace
+
+void run(const Program& program, const ProgramData& data, const SurfacePoint& point,
+         Vec4f* registers) {
+  if (program.uses_bump) {
+    const float step = bump_step(point, program.bump_filter);
+    const ShiftedPoints moved(point, step);
+    run_at({&point, &moved.x, &moved.y}, step, program, data, registers);
+  } else {
+    run_at({&point, nullptr, nullptr}, 0.0f, program, data, registers);
   }
 }
 

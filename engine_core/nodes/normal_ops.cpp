@@ -56,7 +56,7 @@ Vec3f bump_normal(const SurfacePoint& point, Vec3f normal, const BumpHeights& he
   if (!(step > 0.0f)) {
     return normal;
   }
-  const Frame frame(point.ng);  // the axes that shifted() moves along
+  const Frame frame(point.ng);  // the axes of ShiftedPoints
   const Vec3f rx = cross(frame.t, normal), ry = cross(normal, frame.s);
   const float determinant = dot(frame.s, rx);
   const float slope = distance / step;

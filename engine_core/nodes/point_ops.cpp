@@ -305,24 +305,26 @@ float layer_weight(LayerWeightKind kind, const SurfacePoint& point, float blend,
   return 1.0f - facing;
 }
 
-SurfacePoint shifted(const SurfacePoint& point, ShiftAxis axis, float step) {
-  SurfacePoint moved = point;
+ShiftedPoints::ShiftedPoints(const SurfacePoint& point, float step) : x(point), y(point) {
   if (!on_mesh(point)) {
-    return moved;
+    return;
   }
   const Frame frame(point.ng);
-  const Vec3f offset = (axis == ShiftAxis::kX ? frame.s : frame.t) * step;
-  moved.p += offset;
   const std::array<Vec3f, 3> corner = point.scene->triangle(point.instance, point.triangle);
   const Vec3f e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
   const Vec3f n = cross(e1, e2);
-  // In the plane of the triangle offset = du e1 + dv e2; crossed with e2 and e1 and taken along n:
   const float squared = length_squared(n);
-  if (squared > 0.0f) {
-    moved.u += dot(cross(offset, e2), n) / squared;
-    moved.v += dot(cross(e1, offset), n) / squared;
-  }
-  return moved;
+  // In the plane of the triangle offset = du e1 + dv e2; crossed with e2 and e1 and taken along n
+  // this gives du and dv as products of the offset with these.
+  const float inverse = squared > 0.0f ? 1.0f / squared : 0.0f;
+  const Vec3f along_u = cross(e2, n) * inverse, along_v = cross(n, e1) * inverse;
+  const auto move = [&](SurfacePoint& moved, Vec3f offset) {
+    moved.p += offset;
+    moved.u += dot(offset, along_u);
+    moved.v += dot(offset, along_v);
+  };
+  move(x, frame.s * step);
+  move(y, frame.t * step);
 }
 
 float bump_step(const SurfacePoint& point, float filter) {

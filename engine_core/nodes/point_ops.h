@@ -88,9 +88,13 @@ float fresnel_node(const SurfacePoint& point, float ior, Vec3f normal);
 enum class LayerWeightKind : uint8_t { kFresnel, kFacing };
 float layer_weight(LayerWeightKind kind, const SurfacePoint& point, float blend, Vec3f normal);
 
-// The point moved by `step` metres along one of two orthogonal tangents of the surface.
+// The point moved by `step` metres along each of the tangents of Frame(ng).
 enum class ShiftAxis : uint8_t { kX, kY };
-SurfacePoint shifted(const SurfacePoint& point, ShiftAxis axis, float step);
+struct ShiftedPoints {
+  SurfacePoint x, y;
+
+  ShiftedPoints(const SurfacePoint& point, float step);
+};
 // Length of bump mapping's differences at a point: `filter` times the pixel's width there.
 float bump_step(const SurfacePoint& point, float filter);
 

@@ -38,6 +38,7 @@ enum class Op : uint8_t {
   kSaturate,
   kVectorRotate,  // RotationKind
   kMapping,       // MappingKind
+  kMatrix,        // vector under an affine matrix in data
   kVectorTransform,
   kNormalDot,
   // colour
@@ -66,7 +67,6 @@ enum class Op : uint8_t {
   // the surface point
   kGeometry,      // GeometryValue
   kAttribute,     // AttributeUse; data: attribute id
-  kObjectMatrix,  // position under a matrix in data
   kObjectInfo,    // ObjectValue
   kLightPath,     // LightPathValue
   kCamera,        // CameraValue

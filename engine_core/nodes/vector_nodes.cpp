@@ -9,10 +9,29 @@ namespace {
 constexpr SocketType kFloat = SocketType::kFloat;
 constexpr SocketType kVector = SocketType::kVector;
 
+// A mapping whose sockets are constant is a matrix, but for normals, which become unit.
 void lower_mapping(NodeLowering& node) {
-  node.set("Vector", node.emit(Op::kMapping, node.param_enum<MappingKind>("vector_type"), kVector,
-                               {node.input("Vector"), node.input("Location"),
-                                node.input("Rotation"), node.input("Scale")}));
+  const auto kind = node.param_enum<MappingKind>("vector_type");
+  const Value vector = node.input("Vector"), location = node.input("Location"),
+              rotation = node.input("Rotation"), scale = node.input("Scale");
+  ProgramBuilder& builder = node.builder();
+  if (kind == MappingKind::kNormal || !builder.is_constant(location) ||
+      !builder.is_constant(rotation) || !builder.is_constant(scale)) {
+    node.set("Vector",
+             node.emit(Op::kMapping, kind, kVector, {vector, location, rotation, scale}));
+    return;
+  }
+  const Vec3f turn = builder.constant_value(rotation).xyz();
+  const Vec3f size = builder.constant_value(scale).xyz();
+  const Vec3f columns[] = {map_vector(kind, {1, 0, 0}, {}, turn, size),
+                           map_vector(kind, {0, 1, 0}, {}, turn, size),
+                           map_vector(kind, {0, 0, 1}, {}, turn, size),
+                           map_vector(kind, {}, builder.constant_value(location).xyz(), turn, size)};
+  std::array<float, 12> rows;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    rows[i] = columns[i % 4][static_cast<int>(i / 4)];
+  }
+  node.set("Vector", node.emit(Op::kMatrix, 0, kVector, {vector}, builder.add_floats(rows)));
 }
 
 void lower_vector_rotate(NodeLowering& node) {

@@ -11,7 +11,7 @@
 namespace vernier {
 
 namespace lookup3 {
-inline void mix(uint32_t& a, uint32_t& b, uint32_t& c) {
+constexpr void mix(uint32_t& a, uint32_t& b, uint32_t& c) {
   a -= c, a ^= std::rotl(c, 4), c += b;
   b -= a, b ^= std::rotl(a, 6), a += c;
   c -= b, c ^= std::rotl(b, 8), b += a;
@@ -19,7 +19,7 @@ inline void mix(uint32_t& a, uint32_t& b, uint32_t& c) {
   b -= a, b ^= std::rotl(a, 19), a += c;
   c -= b, c ^= std::rotl(b, 4), b += a;
 }
-inline void finish(uint32_t& a, uint32_t& b, uint32_t& c) {
+constexpr void finish(uint32_t& a, uint32_t& b, uint32_t& c) {
   c ^= b, c -= std::rotl(b, 14);
   a ^= c, a -= std::rotl(c, 11);
   b ^= a, b -= std::rotl(a, 25);
@@ -28,28 +28,28 @@ inline void finish(uint32_t& a, uint32_t& b, uint32_t& c) {
   b ^= a, b -= std::rotl(a, 14);
   c ^= b, c -= std::rotl(b, 24);
 }
-inline constexpr uint32_t seed(uint32_t words) { return 0xdeadbeefu + (words << 2) + 13u; }
+constexpr uint32_t seed(uint32_t words) { return 0xdeadbeefu + (words << 2) + 13u; }
 }  // namespace lookup3
 
-inline uint32_t hash_words(uint32_t x) {
+constexpr uint32_t hash_words(uint32_t x) {
   uint32_t a = lookup3::seed(1), b = a, c = a;
   a += x;
   lookup3::finish(a, b, c);
   return c;
 }
-inline uint32_t hash_words(uint32_t x, uint32_t y) {
+constexpr uint32_t hash_words(uint32_t x, uint32_t y) {
   uint32_t a = lookup3::seed(2), b = a, c = a;
   a += x, b += y;
   lookup3::finish(a, b, c);
   return c;
 }
-inline uint32_t hash_words(uint32_t x, uint32_t y, uint32_t z) {
+constexpr uint32_t hash_words(uint32_t x, uint32_t y, uint32_t z) {
   uint32_t a = lookup3::seed(3), b = a, c = a;
   a += x, b += y, c += z;
   lookup3::finish(a, b, c);
   return c;
 }
-inline uint32_t hash_words(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
+constexpr uint32_t hash_words(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
   uint32_t a = lookup3::seed(4), b = a, c = a;
   a += x, b += y, c += z;
   lookup3::mix(a, b, c);
@@ -60,7 +60,7 @@ inline uint32_t hash_words(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
 
 // The bits of floats hashed to [0, 1].
 template <typename... Floats>
-float hash_floats(Floats... k) {
+constexpr float hash_floats(Floats... k) {
   return static_cast<float>(hash_words(std::bit_cast<uint32_t>(static_cast<float>(k))...)) *
          (1.0f / static_cast<float>(0xffffffffu));
 }

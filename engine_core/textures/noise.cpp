@@ -171,15 +171,24 @@ float ridged_multifractal(std::array<float, N> p, const FractalParams& f) {
   return value;
 }
 
-// Offsets in [100, 200] that stand for seeds.
+// Offsets in [100, 200] that stand for the seeds 0 to N + 1.
 template <int N>
-std::array<float, N> seeded(std::array<float, N> p, float seed) {
-  if constexpr (N == 1) {
-    p[0] += 100.0f + hash_floats(seed) * 100.0f;
-  } else {
+constexpr auto kSeedOffsets = [] {
+  std::array<std::array<float, N>, N + 2> offsets{};
+  for (size_t seed = 0; seed < offsets.size(); ++seed) {
+    const auto s = static_cast<float>(seed);
     for (size_t d = 0; d < N; ++d) {
-      p[d] += 100.0f + hash_floats(seed, static_cast<float>(d)) * 100.0f;
+      const float hash = N == 1 ? hash_floats(s) : hash_floats(s, static_cast<float>(d));
+      offsets[seed][d] = 100.0f + hash * 100.0f;
     }
+  }
+  return offsets;
+}();
+
+template <int N>
+std::array<float, N> seeded(std::array<float, N> p, size_t seed) {
+  for (size_t d = 0; d < N; ++d) {
+    p[d] += kSeedOffsets<N>[seed][d];
   }
   return p;
 }
@@ -189,14 +198,14 @@ Vec3f evaluate(std::array<float, N> p, const FractalParams& params, float distor
   if (distortion != 0.0f) {
     std::array<float, N> moved = p;
     for (size_t d = 0; d < N; ++d) {
-      moved[d] += signed_noise<N>(seeded<N>(p, static_cast<float>(d))) * distortion;
+      moved[d] += signed_noise<N>(seeded<N>(p, d)) * distortion;
     }
     p = moved;
   }
   Vec3f value{fractal_noise<N>(p, params), 0.0f, 0.0f};
   if (color) {
-    value.y = fractal_noise<N>(seeded<N>(p, static_cast<float>(N)), params);
-    value.z = fractal_noise<N>(seeded<N>(p, static_cast<float>(N + 1)), params);
+    value.y = fractal_noise<N>(seeded<N>(p, N), params);
+    value.z = fractal_noise<N>(seeded<N>(p, N + 1), params);
   }
   return value;
 }
@@ -208,12 +217,15 @@ float signed_noise(const std::array<float, N>& p) {
   constexpr float kPeriod = 100000.0f;
   // Scales to about [-1, 1] by dimension, from Open Shading Language.
   constexpr std::array<float, 4> kScale{0.2500f, 0.6616f, 0.9820f, 0.8344f};
+  const auto near_origin = [](float x) { return std::abs(x) < kPeriod; };
+  if (std::all_of(p.begin(), p.end(), near_origin)) {
+    return kScale[N - 1] * perlin<N>(p);
+  }
   std::array<float, N> q;
   for (size_t d = 0; d < N; ++d) {
     // From 1e6 on floats are so sparse that all would be lattice points, where noise is zero.
     const float correction = std::abs(p[d]) >= 1000000.0f ? 0.5f : 0.0f;
-    const float x = std::isfinite(p[d]) ? p[d] : 0.0f;
-    q[d] = (std::abs(x) < kPeriod ? x : std::fmod(x, kPeriod)) + correction;
+    q[d] = (std::isfinite(p[d]) ? std::fmod(p[d], kPeriod) : 0.0f) + correction;
   }
   return kScale[N - 1] * perlin<N>(q);
 }

@@ -313,7 +313,7 @@ Result octahedral_map(const Floats& points) {
 // densities. `directions` are evaluated instead where they are given (no sampling).
 Result environment_map(int resolution, const Floats& lobes, const Floats& u,
                        const Floats& directions) {
-  const EnvironmentMap map(resolution, [&](Vec3f d) {
+  const EnvironmentMap map(resolution, 2, [&](Vec3f d) {
     float sum = 0.0f;
     for (size_t i = 0; i < lobes.shape(0); ++i) {
       sum += lobes(i, 4) * std::exp(lobes(i, 3) * (dot(d, vec3(lobes, i)) - 1.0f));

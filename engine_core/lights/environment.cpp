@@ -7,22 +7,23 @@
 
 namespace vernier {
 
-EnvironmentMap::EnvironmentMap(int resolution, const std::function<Color(Vec3f)>& radiance)
+EnvironmentMap::EnvironmentMap(int resolution, int points,
+                               const std::function<Color(Vec3f)>& radiance)
     : uniform_(false) {
-  // Four points to a cell: what is smaller than a cell, such as a sun, is less often missed.
-  const int fine = 2 * resolution;
+  const int fine = points * resolution;
+  const float share = 1.0f / static_cast<float>(points * points);
   std::vector<float> cells(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
   std::vector<double> sums(static_cast<size_t>(resolution));  // by row: added in order below
   parallel_for(sums.size(), 0, [&](size_t row) {
-    for (int i = 0; i < 2 * fine; ++i) {
-      const int x = i % fine, y = 2 * static_cast<int>(row) + i / fine;
+    for (int i = 0; i < points * fine; ++i) {
+      const int x = i % fine, y = points * static_cast<int>(row) + i / fine;
       const Vec2f p{(static_cast<float>(x) + 0.5f) / static_cast<float>(fine),
                     (static_cast<float>(y) + 0.5f) / static_cast<float>(fine)};
       const float value =
-          0.25f *
+          share *
           average(bounded_radiance(abs(radiance(normalize(square_to_sphere_equal_area(p))))));
       if (value > 0.0f) {
-        cells[row * static_cast<size_t>(resolution) + static_cast<size_t>(x / 2)] += value;
+        cells[row * static_cast<size_t>(resolution) + static_cast<size_t>(x / points)] += value;
         sums[row] += static_cast<double>(value);
       }
     }

@@ -18,8 +18,9 @@ class EnvironmentMap {
   // A uniform world.
   EnvironmentMap() = default;
   explicit EnvironmentMap(Color radiance) : mean_(average(abs(radiance))) {}
-  // `resolution` cells along each side of the octahedral square.
-  EnvironmentMap(int resolution, const std::function<Color(Vec3f)>& radiance);
+  // `resolution` cells along each side of the octahedral square, each the mean of `points` x
+  // `points` of the radiance.
+  EnvironmentMap(int resolution, int points, const std::function<Color(Vec3f)>& radiance);
 
   // Mean over all directions of the average of RGB.
   float mean_radiance() const { return mean_; }

@@ -9,8 +9,9 @@
 namespace vernier {
 namespace {
 
-// Cells along a side of the environment's map where nothing else is asked for: 0.2 degrees.
-constexpr int kDefaultResolution = 1024;
+// Cells along a side of the environment's map: 0.8 and 0.2 degrees.
+constexpr int kLeastResolution = 256;
+constexpr int kLargestResolution = 1024;
 constexpr double kPiDouble = 3.14159265358979323846;
 
 void add_triangles(const Scene& scene, LightTable& table) {
@@ -115,18 +116,25 @@ double triangle_intensity(const TriangleLight& light) {
   return static_cast<double>(light.area) * (estimate > 0.0 ? estimate : 1.0);
 }
 
+// A map of the world. With as many cells to a side as a panorama is wide a cell is half as wide as
+// a pixel at the horizon, and its middle shows all that is there. Otherwise there are four points
+// to a cell: what is smaller than a cell, such as a sun, is less often missed.
+EnvironmentMap map_environment(const Scene& scene, int resolution) {
+  const int width = scene.world->traits().emission_image_width;
+  if (resolution == 0) {
+    resolution = std::clamp(width, kLeastResolution, kLargestResolution);
+  }
+  return EnvironmentMap(resolution, width > 0 && width <= resolution ? 1 : 2,
+                        [&](Vec3f d) { return environment_radiance(scene, d, 0, PathDepth{}); });
+}
+
 void choose_environment(const Scene& scene, int resolution, LightTable& table) {
   if (!scene.world || !scene.world->traits().is_emissive) {
     return;
   }
   const MaterialTraits& traits = scene.world->traits();
-  if (traits.emission_constant) {
-    table.environment = EnvironmentMap(traits.average_emission);
-  } else {
-    table.environment =
-        EnvironmentMap(resolution > 0 ? resolution : kDefaultResolution,
-                       [&](Vec3f d) { return environment_radiance(scene, d, 0, PathDepth{}); });
-  }
+  table.environment = traits.emission_constant ? EnvironmentMap(traits.average_emission)
+                                               : map_environment(scene, resolution);
   table.has_environment = table.environment.mean_radiance() > 0.0f;
 }
 

@@ -154,6 +154,11 @@ uint8_t Compiler::lobes(const PendingClosure& c) const {
   return static_cast<uint8_t>(bits);
 }
 
+bool reads_image(const Instruction& instruction) {
+  return instruction.op == Op::kImage || instruction.op == Op::kImageBox ||
+         instruction.op == Op::kEnvironment;
+}
+
 // Runs an emission program with every image replaced by its average, over directions spread evenly
 // on the sphere (a Fibonacci lattice) for what depends on them.
 Color average_emission(const ProgramPart& part, const ProgramData& data) {
@@ -172,12 +177,11 @@ Color average_emission(const ProgramPart& part, const ProgramData& data) {
     point.wo = {r * std::cos(phi), r * std::sin(phi), z};
     point.ns = point.ng = point.wo;
     for (const Instruction& instruction : part.program.code) {
-      const bool is_image = instruction.op == Op::kImage || instruction.op == Op::kImageBox ||
-                            instruction.op == Op::kEnvironment;
       const Arguments arguments(registers.data(), part.program.constants.data(),
                                 part.program.operands.data() + instruction.operands);
-      registers[instruction.result] = is_image ? image_averages[instruction.data]
-                                               : execute(instruction, arguments, data, point, 0.0f);
+      registers[instruction.result] = reads_image(instruction)
+                                          ? image_averages[instruction.data]
+                                          : execute(instruction, arguments, data, point, 0.0f);
     }
     const ProgramResult values{registers.data(), part.program.constants.data()};
     Color emitted;
@@ -201,6 +205,15 @@ std::vector<uint32_t> attributes_read(const Program& program) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
+}
+
+int widest_image(const Program& program, const ProgramData& data) {
+  int width = 0;
+  for (const Instruction& instruction : program.code) {
+    const ImageTexture* image = reads_image(instruction) ? data.images[instruction.data] : nullptr;
+    width = std::max(width, image == nullptr ? 0 : image->width());
+  }
+  return width;
 }
 
 }  // namespace
@@ -245,6 +258,7 @@ std::unique_ptr<Material> compile_material(const GraphDesc& desc, std::string_vi
   code->data = builder.take_data();
   if (traits.is_emissive) {
     traits.average_emission = average_emission(code->emission, code->data);
+    traits.emission_image_width = widest_image(code->emission.program, code->data);
   }
   return std::make_unique<Material>(std::string(name), std::move(code), std::move(traits));
 }

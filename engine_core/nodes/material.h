@@ -67,6 +67,7 @@ struct MaterialTraits {
   bool path_dependent = false;           // ray_flags, ray_length or depth: the path so far
   bool emission_view_dependent = false;  // any of these, for emission() alone
   bool uses_bump = false;                // normals other than SurfacePoint::ns occur
+  int emission_image_width = 0;          // pixels of the widest image that emission() reads
   uint8_t lobes = 0;                     // union of the LobeBits that can occur
   Color average_emission;                // radiance; exact when emission_constant, else an estimate
   std::vector<uint32_t> attributes;      // ids that are read, each once

@@ -17,16 +17,15 @@ void lower_mapping(NodeLowering& node) {
   ProgramBuilder& builder = node.builder();
   if (kind == MappingKind::kNormal || !builder.is_constant(location) ||
       !builder.is_constant(rotation) || !builder.is_constant(scale)) {
-    node.set("Vector",
-             node.emit(Op::kMapping, kind, kVector, {vector, location, rotation, scale}));
+    node.set("Vector", node.emit(Op::kMapping, kind, kVector, {vector, location, rotation, scale}));
     return;
   }
   const Vec3f turn = builder.constant_value(rotation).xyz();
   const Vec3f size = builder.constant_value(scale).xyz();
-  const Vec3f columns[] = {map_vector(kind, {1, 0, 0}, {}, turn, size),
-                           map_vector(kind, {0, 1, 0}, {}, turn, size),
-                           map_vector(kind, {0, 0, 1}, {}, turn, size),
-                           map_vector(kind, {}, builder.constant_value(location).xyz(), turn, size)};
+  const Vec3f columns[] = {
+      map_vector(kind, {1, 0, 0}, {}, turn, size), map_vector(kind, {0, 1, 0}, {}, turn, size),
+      map_vector(kind, {0, 0, 1}, {}, turn, size),
+      map_vector(kind, {}, builder.constant_value(location).xyz(), turn, size)};
   std::array<float, 12> rows;
   for (size_t i = 0; i < rows.size(); ++i) {
     rows[i] = columns[i % 4][static_cast<int>(i / 4)];

@@ -72,21 +72,12 @@ inline LobePair evaluate_ashikhmin_shirley(const Lobe& lobe, Vec3f n, Vec3f c, V
   return {splat(density * cos_l / std::max(cos_c, cos_l)), density, density};
 }
 
-// F(c, l) less the scale, and densities. Diffuse lobes sample l from the camera's side by their own
-// shape about n, and c from the light's side by the cosine about ng: exact for Lambert, since there
-// F(c, l) |c.ng| / |l.ng| does not otherwise depend on c, and free of samples below the surface.
-inline LobePair evaluate_lobe(const Lobe& lobe, const LobeSide& seen, const SurfaceSide& camera,
-                              const SurfaceSide& light, Vec3f ns, bool transmit,
-                              AllowedEvents allowed) {
+// The part of evaluate_lobe for lobes without microfacets.
+inline LobePair evaluate_facetless(const Lobe& lobe, const LobeSide& seen,
+                                   const SurfaceSide& camera, const SurfaceSide& light, Vec3f ns) {
   const Vec3f n = seen.normal, c = camera.d, l = light.d;
   LobePair pair;
   switch (lobe.kind) {
-    case LobeKind::kReflection:
-    case LobeKind::kGlass:
-    case LobeKind::kRefraction:
-      return evaluate_microfacet(lobe, n, eta_from(lobe, camera.sign),
-                                 film_ior_from(lobe, camera.sign), c, seen_through(lobe, n, l),
-                                 transmit && !lobe.mirrored, allowed);
     case LobeKind::kAshikhminShirley:
       return evaluate_ashikhmin_shirley(lobe, n, c, l);
     case LobeKind::kGlossyToon: {
@@ -141,6 +132,20 @@ inline LobePair evaluate_lobe(const Lobe& lobe, const LobeSide& seen, const Surf
     pair.f *= bump_shadowing(n, ns, l, lobe.bump_alpha2);
   }
   return pair;
+}
+
+// F(c, l) less the scale, and densities. Diffuse lobes sample l from the camera's side by their own
+// shape about n, and c from the light's side by the cosine about ng: exact for Lambert, since there
+// F(c, l) |c.ng| / |l.ng| does not otherwise depend on c, and free of samples below the surface.
+inline LobePair evaluate_lobe(const Lobe& lobe, const LobeSide& seen, const SurfaceSide& camera,
+                              const SurfaceSide& light, Vec3f ns, bool transmit,
+                              AllowedEvents allowed) {
+  if (!is_microfacet(lobe.kind)) {
+    return evaluate_facetless(lobe, seen, camera, light, ns);
+  }
+  return evaluate_microfacet(
+      lobe, seen.normal, eta_from(lobe, camera.sign), film_ior_from(lobe, camera.sign), camera.d,
+      seen_through(lobe, seen.normal, light.d), transmit && !lobe.mirrored, allowed);
 }
 
 // Whether pdf_g must be computed anew from the light's side: its normal was corrected otherwise, or

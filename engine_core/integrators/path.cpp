@@ -13,6 +13,7 @@
 #include "math/warp.h"
 #include "nodes/material.h"
 #include "paths/bounce_limits.h"
+#include "paths/roulette.h"
 #include "paths/spawn.h"
 #include "paths/visibility.h"
 
@@ -43,11 +44,6 @@ inline Color clamp_sample(Color c, float limit) {
   const float largest = max_component(c);
   return limit > 0.0f && largest > limit ? c * (limit / largest) : c;
 }
-
-// Between surfaces that absorb nothing a path need never carry less, nor meet a light. From this
-// vertex on it ends by chance whatever it carries: without bias, and surely.
-constexpr uint32_t kLongPath = 1024;
-constexpr float kLongPathSurvival = 0.9f;
 
 // Stands for LightPasses where no passes are asked for.
 struct NoPasses {
@@ -81,6 +77,7 @@ class PathTracer {
         sampler_(sampler),
         stats_(stats),
         limits_(context.settings),
+        roulette_(context.settings),
         strategy_(F.mis ? DirectLight::kMis
                         : static_cast<DirectLight>(context.settings.direct_light)),
         pass_sample_(pass_sample),
@@ -141,7 +138,7 @@ class PathTracer {
   }
 
  private:
-  static constexpr auto kDraws = static_cast<uint32_t>(BounceDim::kCount);
+  static constexpr auto kDraws = static_cast<uint32_t>(BounceDim::kLightChoice) + 1;
 
   Vec2f draw(BounceDim d) const { return draws_[static_cast<size_t>(d)]; }
 
@@ -376,18 +373,8 @@ class PathTracer {
     return true;
   }
 
-  // Ends the path with a probability that grows as it carries less, and raises those that go on
-  // by as much, so that the expectation stays (Arvo and Kirk 1990).
   bool survive_roulette(uint32_t vertex) {
-    float survival = 1.0f;
-    if (depth_.total > settings_.roulette_start) {
-      const auto threshold = static_cast<float>(settings_.roulette_threshold);
-      const float carried = max_component(beta_);
-      survival = carried < threshold ? carried / threshold : 1.0f;
-    }
-    if (vertex >= kLongPath) {
-      survival = std::min(survival, kLongPathSurvival);
-    }
+    const float survival = roulette_.survival(depth_.total, vertex, max_component(beta_));
     if (!(draw(BounceDim::kLobe).y < survival)) {
       return false;
     }
@@ -404,6 +391,7 @@ class PathTracer {
   const SobolSampler& sampler_;
   RenderStats& stats_;
   const BounceLimits limits_;
+  const Roulette roulette_;
   const DirectLight strategy_;
   Passes& pass_sample_;
   std::conditional_t<F.passes, LightPasses, NoPasses> passes_;

@@ -93,24 +93,24 @@ uint32_t LightTree::sample(const Receiver& from, double u, float& pdf) const {
       alive += weight > 0.0f ? 1.0f : 0.0f;
     }
     const float scale = (1.0f - kLeastShare) / sum, even = kLeastShare / alive;
-    // The last child with any weight takes what rounding leaves.
-    size_t chosen = 0;
-    float share = 0.0f;
-    double before = 0.0, passed = 0.0;
+    // passed[i]: the shares of the children before i. No branch, as none could be foretold.
+    Lanes shares;
+    std::array<double, kWidth> passed;
     for (size_t i = 0; i < kWidth; ++i) {
-      if (!(weights[i] > 0.0f)) {
-        continue;
-      }
-      chosen = i;
-      share = weights[i] * scale + even;
-      before = passed;
-      passed += static_cast<double>(share);
-      if (u < passed) {
-        break;
-      }
+      shares[i] = weights[i] > 0.0f ? weights[i] * scale + even : 0.0f;
     }
-    u = std::min((u - before) / static_cast<double>(share), 0x1.fffffffffffffp-1);
-    pdf *= share;
+    passed[0] = 0.0;
+    size_t chosen = 0;
+    for (size_t i = 1; i < kWidth; ++i) {
+      passed[i] = passed[i - 1] + static_cast<double>(shares[i - 1]);
+      chosen += u >= passed[i] ? 1 : 0;
+    }
+    // The last child with any weight takes what rounding leaves.
+    while (!(shares[chosen] > 0.0f)) {
+      --chosen;
+    }
+    u = std::min((u - passed[chosen]) / static_cast<double>(shares[chosen]), 0x1.fffffffffffffp-1);
+    pdf *= shares[chosen];
     if (nodes_[node].is_light[chosen]) {
       return nodes_[node].child[chosen];
     }

@@ -82,9 +82,9 @@ class SobolSampler {
   Vec2f get_2d(uint32_t dimension) const { return get_2d_run<1>(dimension)[0]; }
 
   // The points of `kCount` dimension pairs from `first` on. Four together cost little more than
-  // one alone: the loops become vector instructions.
+  // one alone: the loops become vector instructions (as long as the function stays one).
   template <uint32_t kCount>
-  std::array<Vec2f, kCount> get_2d_run(uint32_t first) const {
+  [[gnu::noinline]] std::array<Vec2f, kCount> get_2d_run(uint32_t first) const {
     // Numbers in the sequence, and seeds of the scrambling: all x, then all y.
     std::array<uint32_t, 2 * kCount> number, scramble;
     std::array<uint32_t, kCount> shuffle;

@@ -145,7 +145,11 @@ class GeometryCompiler {
         Transform t;
         std::transform(to_render, to_render + 12, t.m.begin(),
                        [](double v) { return static_cast<float>(v); });
-        result_->meshes[i].to_object = inverse(t);
+        Mesh& mesh = result_->meshes[i];
+        mesh.to_object = inverse(t);
+        for (Vec3f& n : mesh.normals) {
+          n = mesh.to_object.transposed_vector(n);
+        }
       }
     };
     // Many meshes: one thread each; few: threads within each.

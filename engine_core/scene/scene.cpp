@@ -70,7 +70,7 @@ SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
     const auto& corner = mesh.normal_domain == Domain::kPoint ? t : mesh.corners[hit.triangle];
     const Vec3f n = interpolate(mesh.normals[corner[0]], mesh.normals[corner[1]],
                                 mesh.normals[corner[2]], hit.u, hit.v);
-    const Vec3f ns = normalize(instance.world_to_object.transposed_vector(n));
+    const Vec3f ns = normalize(mesh.instanced ? instance.world_to_object.transposed_vector(n) : n);
     if (!(ns == Vec3f{})) {
       s.ns = ns;
     }

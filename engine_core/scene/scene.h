@@ -49,7 +49,7 @@ struct Mesh {
   std::vector<uint32_t> faces;                     // polygon of each triangle
   std::vector<uint16_t> slots;                     // material slot of each triangle; empty: 0
   Domain normal_domain = Domain::kFace;
-  std::vector<Vec3f> normals;                  // object space
+  std::vector<Vec3f> normals;                  // in the space of positions
   std::vector<MeshAttribute> attributes;       // by attribute id (Scene::attribute_names)
   Vec3f texture_space_min, texture_space_max;  // object space
   Transform to_object;                         // positions to object space

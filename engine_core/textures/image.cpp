@@ -23,6 +23,9 @@ int wrap_mirror(int x, int size) {
 
 // A pixel index inside the image. Clipping leaves indices as they are: readers test them.
 int wrap(int x, int size, Extension extension) {
+  if (x >= 0 && x < size) {
+    return x;
+  }
   switch (extension) {
     case Extension::kRepeat:
       return wrap_repeat(x, size);

@@ -50,7 +50,8 @@ class LightSampler {
   bool has_escapes(uint32_t mask) const;
 
   // Chooses a light with u_select and a point on it with u. False where the choice has nothing for
-  // this receiver: the sample's value is then zero. `out` is as LightSample's constructor leaves it.
+  // this receiver: the sample's value is then zero. `out` is as LightSample's constructor leaves
+  // it.
   bool sample(const Receiver& from, float u_select, Vec2f u, LightSample& out) const;
   // A point on the given light alone: the density is without the selection.
   bool sample_light(const Receiver& from, uint32_t light, Vec2f u, LightSample& out) const;

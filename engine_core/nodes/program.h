@@ -65,11 +65,11 @@ enum class Op : uint8_t {
   kWhiteNoise,
   kSky,  // data: an index into ProgramData::skies
   // the surface point
-  kGeometry,      // GeometryValue
-  kAttribute,     // AttributeUse; data: attribute id
-  kObjectInfo,    // ObjectValue
-  kLightPath,     // LightPathValue
-  kCamera,        // CameraValue
+  kGeometry,    // GeometryValue
+  kAttribute,   // AttributeUse; data: attribute id
+  kObjectInfo,  // ObjectValue
+  kLightPath,   // LightPathValue
+  kCamera,      // CameraValue
   kFresnel,
   kLayerWeight,
   kNormalMap,

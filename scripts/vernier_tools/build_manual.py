@@ -70,7 +70,7 @@ def write_measurements(seconds: float, reference_seconds: float) -> None:
                 target = Path(scratch, f"{scene}_{method}.exr")
                 render(scene, method, target, MEASURED_SIZE, seconds)
                 error = math.sqrt(relative_squared_error(read_combined(target), truth))
-                cells.append(f"{100.0 * error:.2g} %")
+                cells.append(f"{100.0 * error:.{0 if error >= 0.095 else 1}f} %")
             rows.append(f"| `{scene}` | " + " | ".join(cells) + " |")
     heads = " | ".join(f"`{method}`" for method in METHODS)
     text = f"""# The trade, measured

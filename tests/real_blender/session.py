@@ -116,6 +116,10 @@ class BlenderSession:
         """Moves the pointer; y counts from the top."""
         self._tool(["xdotool", "mousemove", str(x), str(y)])
 
+    def scroll(self, x: int, y: int, clicks: int) -> None:
+        """Turns the wheel towards the user."""
+        self._tool(["xdotool", "mousemove", str(x), str(y), "click", "--repeat", str(clicks), "5"])
+
     def drag(self, button: int, points: list[tuple[int, int]], pause: float = 0.05) -> None:
         """Presses a button at the first point, goes through the others, and lets go."""
         words = ["mousemove", *map(str, points[0]), "mousedown", str(button)]

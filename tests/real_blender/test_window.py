@@ -85,7 +85,6 @@ else:
     panel = bpy.types.VERNIER_WORLD_PT_preview
 bpy.utils.unregister_class(panel)
 panel.bl_options = set()  # no longer closed where it was not seen before
-panel.bl_order = -1
 bpy.utils.register_class(panel)
 place = area("VIEW_3D")
 place.type = "PROPERTIES"
@@ -94,6 +93,8 @@ place.spaces[0].context = {kind!r}
     )
     region = blender.area("PROPERTIES")
     name = f"preview_{kind.lower()}"
+    blender.move(300, 650)
+    blender.scroll(310, 660, 20)
 
     def red_rows() -> int:
         """The field of the colour itself is red, too, but lower than a ball."""

@@ -113,7 +113,8 @@ def _group_panels() -> list[type[Panel]]:
     """One panel in the render properties for each group of parameters."""
     groups = list(dict.fromkeys(parameter.group for parameter in parameters()))
     panels = []
-    for group in sorted(groups, key=lambda name: (name not in _TITLES, groups.index(name))):
+    order = [*_TITLES, *groups]
+    for group in sorted(groups, key=order.index):
         members = {
             "bl_idname": f"VERNIER_RENDER_PT_{group}",
             "bl_label": _TITLES.get(group, group.replace("_", " ").title()),

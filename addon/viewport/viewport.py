@@ -97,6 +97,9 @@ class Viewport:
         now = time.perf_counter()
         if self._error:
             return
+        if picture.pixel > self._values["pixel"]:  # a coarse one of a single sample
+            engine.update_stats("", f"Sample 0/{self._values['samples']}")
+            return
         if not self._told and (now >= self._next_stats or self._finished):
             engine.update_stats("", stats_line(picture.session.poll(True)))
             self._next_stats = now + _STATS_SECONDS

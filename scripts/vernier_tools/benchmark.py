@@ -66,9 +66,11 @@ def measure_scene(options: argparse.Namespace, scene: Path) -> Figures:
                 outcome = jobs.run(job)
                 picture = images.read_combined(Path(f"{job.output}-{repeat + 1}.exr"))
                 error = reference.error_of(picture)
-                runs[engine].append(run_figures(outcome, error, cpu_budget(options)))
+                figures = run_figures(outcome, error, cpu_budget(options))
+                figures["worst_share"] = metrics.share_of_the_worst(picture, reference.image)
+                runs[engine].append(figures)
     assert outcome is not None
-    figures: Figures = {
+    result: Figures = {
         "scene": scene.stem,
         "width": outcome.width,
         "height": outcome.height,
@@ -78,10 +80,10 @@ def measure_scene(options: argparse.Namespace, scene: Path) -> Figures:
     }
     if set(reference.halves) == {"vernier", "cycles"}:
         agree = metrics.agreement(reference.halves["vernier"], reference.halves["cycles"])
-        figures["mean_ratio"] = agree.ratio
-        figures["mean_ratio_error"] = agree.ratio_error
-        figures["worst_block_z"] = agree.worst_z
-    return figures
+        result["mean_ratio"] = agree.ratio
+        result["mean_ratio_error"] = agree.ratio_error
+        result["worst_block_z"] = agree.worst_z
+    return result
 
 
 def cpu_budget(options: argparse.Namespace) -> float:

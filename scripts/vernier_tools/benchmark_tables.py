@@ -44,8 +44,9 @@ def scenes_note(results: Figures) -> str:
         f"Renders of {results['seconds']:g} s. Samples are million pixel samples per second of "
         "processor time since sampling began. The relative squared error is the mean of "
         "(I - R)^2 / (R^2 + 0.01 mean(R)^2), the reference's own noise subtracted, brought to "
-        "equal processor time, preparation included. The mean ratio is of the references, "
-        f"{results['reference_seconds']:g} s by each engine.\n"
+        "equal processor time, preparation included; in parentheses where a thousandth of the "
+        "pixels carries half of it: one render does not tell it then. The mean ratio is of the "
+        f"references, {results['reference_seconds']:g} s by each engine.\n"
     )
 
 
@@ -73,6 +74,14 @@ def cells(entry: Figures, key: str, show: Callable[[float], str]) -> list[str]:
     return values
 
 
+def error_cells(entry: Figures) -> list[str]:
+    """As `cells`; in parentheses where half of an error or more is in one pixel of a thousand."""
+    shown = cells(entry, "error", lambda v: f"{v:.3g}")
+    runs = [run for figures in entry["engines"].values() for run in figures["runs"]]
+    doubtful = any(run["worst_share"] > 0.5 for run in runs)
+    return [f"({text})" for text in shown] if doubtful else shown
+
+
 def scene_table(entries: Sequence[Figures]) -> str:
     engines = list(entries[0]["engines"])
     head = ["scene", "triangles", "pixels"]
@@ -85,7 +94,7 @@ def scene_table(entries: Sequence[Figures]) -> str:
     for entry in entries:
         row = [entry["scene"], f"{entry['triangles']:,}", f"{entry['width']}x{entry['height']}"]
         row += cells(entry, "samples_per_cpu_second", lambda v: f"{v / 1e6:.3f}")
-        row += cells(entry, "error", lambda v: f"{v:.3g}")
+        row += error_cells(entry)
         row += cells(entry, "first_tile", lambda v: f"{v:.2f}")
         row += cells(entry, "memory", lambda v: f"{v / 2**20:.0f}")
         if "mean_ratio" in entry:

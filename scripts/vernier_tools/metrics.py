@@ -30,9 +30,25 @@ def relative_noise(halves: tuple[FloatImage, FloatImage], reference: FloatImage)
     return weighted_mean_square((np.asarray(halves[0], np.float64) - halves[1]) / 2, reference)
 
 
+def share_of_the_worst(image: FloatImage, reference: FloatImage, worst: float = 0.001) -> float:
+    """The share of the relative squared error that the worst pixels (one in 1000) carry.
+
+    Where it is large, the error is one of few bright pixels, and another render's may be far off.
+    """
+    errors = weighted_squares(np.asarray(image, np.float64) - reference, reference).sum(axis=2)
+    ordered = np.sort(errors, axis=None)
+    total = float(ordered.sum())
+    count = math.ceil(worst * ordered.size)
+    return float(ordered[-count:].sum()) / total if total > 0 else 0.0
+
+
 def weighted_mean_square(difference: NDArray[np.float64], reference: FloatImage) -> float:
+    return float(np.mean(weighted_squares(difference, reference)))
+
+
+def weighted_squares(difference: NDArray[np.float64], reference: FloatImage) -> NDArray[np.float64]:
     r = np.asarray(reference, np.float64)
-    return float(np.mean(difference**2 / (r**2 + FLOOR * np.mean(r) ** 2)))
+    return np.asarray(difference**2 / (r**2 + FLOOR * np.mean(r) ** 2))
 
 
 @dataclass(frozen=True)

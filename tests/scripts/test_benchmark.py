@@ -11,7 +11,7 @@ from tool_process import Tool
 from vernier_tools import benchmark_tables, jobs, references
 
 
-def entry(engines: list[str]) -> dict[str, object]:
+def entry(engines: list[str], worst_share: float = 0.1) -> dict[str, object]:
     figures = {
         name: {
             "samples_per_cpu_second": 2e6 / (index + 1),
@@ -21,6 +21,7 @@ def entry(engines: list[str]) -> dict[str, object]:
             "first_tile": 1.0,
             "memory": 2**20 * 8,
             "peak_memory": 2**20 * 300,
+            "runs": [{"worst_share": worst_share}],
         }
         for index, name in enumerate(engines)
     }
@@ -57,6 +58,12 @@ def test_tables_show_ratios_of_vernier_over_cycles() -> None:
         if block.startswith("|"):
             widths = {line.count("|") for line in block.strip().splitlines()}
             assert len(widths) == 1
+
+
+def test_errors_of_few_pixels_are_in_parentheses() -> None:
+    figures = results(["vernier", "cycles"])
+    figures["scenes"] = [entry(["vernier", "cycles"], worst_share=0.6)]
+    assert "| (0.01) | (0.02) | (0.50) |" in benchmark_tables.markdown(figures)
 
 
 def test_tables_of_one_engine_have_no_ratios() -> None:

@@ -95,3 +95,12 @@ def test_the_sidak_probability_of_many_blocks() -> None:
     agree = metrics.agreement(noisy(1, 0.2, seed=8), noisy(1, 0.2, seed=9))
     single = math.erfc(agree.worst_z / math.sqrt(2))
     assert agree.probability == pytest.approx(1 - (1 - single) ** agree.block_z.size, rel=1e-6)
+
+
+def test_the_worst_pixels_share_of_the_error_is_known() -> None:
+    reference = np.ones((40, 50, 3), np.float32)
+    image = reference + np.float32(0.1)
+    assert metrics.share_of_the_worst(image, reference) == pytest.approx(0.001, rel=1e-3)
+    image[7, 9] = 101.0
+    assert metrics.share_of_the_worst(image, reference) > 0.99
+    assert metrics.share_of_the_worst(reference, reference) == 0.0

@@ -188,10 +188,7 @@ class BidirectionalTracer {
         (scene_.instances[v.point.instance].visibility & kVisibleCamera) == 0) {
       return;
     }
-    const Vec2f u_lens =
-        camera_.is_pinhole()
-            ? Vec2f{}
-            : walks_.sampler.get_2d(light_dimension(walk.index, BounceDim::kLightPoint));
+    const Vec2f u_lens = camera_.is_pinhole() ? Vec2f{} : walk.draw(BounceDim::kLightPoint);
     const auto c = camera_.connect(v.point.p, u_lens, filter_.radius());
     if (!c) {
       return;
@@ -207,7 +204,7 @@ class BidirectionalTracer {
     const double others = v.mis.sum(heuristic_, camera_pdf, static_cast<double>(eval.pdf_reverse));
     flux *= static_cast<float>(techniques_.weight(others) / light_paths_);
     // A splat of all paths is a pixel's value as often as there are pixels.
-    const float u = walks_.sampler.get_2d(light_dimension(walk.index, BounceDim::kLightChoice)).x;
+    const float u = walk.draw(BounceDim::kLightChoice).x;
     if (!worthwhile(flux, 1.0, u)) {
       return;
     }
@@ -379,11 +376,9 @@ class BidirectionalTracer {
     if (lights_.count() == 0 || !techniques_.show(1, walk.depth.total + 2)) {
       return;
     }
-    const SobolSampler& sampler = walks_.sampler;
-    const Vec2f choice = sampler.get_2d(dimension(walk.index, BounceDim::kLightChoice));
+    const Vec2f choice = walk.draw(BounceDim::kLightChoice);
     LightSample light;
-    if (!lights_.sample(receiver_at(v), choice.x,
-                        sampler.get_2d(dimension(walk.index, BounceDim::kLightPoint)), light)) {
+    if (!lights_.sample(receiver_at(v), choice.x, walk.draw(BounceDim::kLightPoint), light)) {
       return;
     }
     const uint8_t mask = lobes_lit(light.visibility);

@@ -7,6 +7,7 @@
 #include "integrators/path.h"
 
 #include "bsdf/bsdf.h"
+#include "integrators/camera_film.h"
 #include "integrators/camera_loop.h"
 #include "integrators/light_passes.h"
 #include "lights/light_sampler.h"
@@ -40,16 +41,6 @@ inline float power_heuristic(float a, float b) {
 // A path without end (no roulette, no limit, no loss) must still hear a cancel.
 constexpr uint32_t kPollVertices = 256;
 
-inline Color clamp_sample(Color c, float limit) {
-  const float largest = max_component(c);
-  return limit > 0.0f && largest > limit ? c * (limit / largest) : c;
-}
-
-// Stands for LightPasses where no passes are asked for.
-struct NoPasses {
-  explicit NoPasses(NoPassSample&) {}
-};
-
 // Uniform over the directions that the surface scatters to: the naive path tracer.
 struct UniformDirection {
   Vec3f wi;
@@ -80,7 +71,7 @@ class PathTracer {
         roulette_(context.settings),
         strategy_(F.mis ? DirectLight::kMis
                         : static_cast<DirectLight>(context.settings.direct_light)),
-        pass_sample_(pass_sample),
+        film_(context.scene, pass_sample),
         passes_(pass_sample) {}
 
   CameraSample run(const CameraRay& camera_ray) {
@@ -114,13 +105,8 @@ class PathTracer {
       bsdf.begin(point);
       material.evaluate(point, bsdf);
       bsdf.finish();
-      if (!is_black(bsdf.holdout)) {
-        alpha_ -= average(beta_ * bsdf.holdout) * (on_film_ ? 1.0f : 0.0f);
-      }
-      if constexpr (F.passes) {
-        if (on_film_) {
-          record_surface(point, bsdf, to_camera);
-        }
+      if (on_film_) {
+        film_.surface(point, bsdf, beta_, to_camera + travelled_);
       }
       if (!is_black(bsdf.emission)) {
         add_emission(point, bsdf.emission);
@@ -134,7 +120,7 @@ class PathTracer {
         break;
       }
     }
-    return {radiance_, std::max(alpha_, 0.0f)};
+    return {radiance_, film_.alpha()};
   }
 
  private:
@@ -149,7 +135,7 @@ class PathTracer {
   template <class ToPasses>
   void add(Color contribution, bool direct, const ToPasses& to_passes) {
     const double limit = direct ? settings_.clamp_direct : settings_.clamp_indirect;
-    const Color c = clamp_sample(contribution, static_cast<float>(limit));
+    const Color c = clamp_sample(contribution, limit);
     radiance_ += c;
     if constexpr (F.passes) {
       to_passes(passes_, c);
@@ -199,40 +185,13 @@ class PathTracer {
   // The ray has left the scene.
   void escape(const Ray& ray) {
     if (on_film_ && scene_.film.transparent) {
-      alpha_ -= average(beta_);
+      film_.uncover(beta_);
       return;
     }
     if (lights_.has_escapes(ray_mask_)) {
       lights_.for_each_escape(receiver(), ray.d, ray_mask_, ray_flags_, depth_,
                               [&](const LightHit& light) { add_met(light, true); });
     }
-  }
-
-  // A surface that the camera sees, perhaps through transparent ones. Colours add up over all of
-  // them; the rest is of the first that is opaque enough (Cycles: film_write_data_passes).
-  void record_surface(const SurfacePoint& point, const Bsdf& bsdf, float to_camera) {
-    PassSample& s = pass_sample_;
-    const Color diffuse = beta_ * bsdf.albedo(kGroupMasks[kGroupDiffuse]);
-    const Color glossy = beta_ * bsdf.albedo(kGroupMasks[kGroupGlossy]);
-    const Color transmission = beta_ * bsdf.albedo(kGroupMasks[kGroupTransmission]);
-    s.diffuse_color += diffuse;
-    s.glossy_color += glossy;
-    s.transmission_color += transmission;
-    s.denoising_albedo += diffuse + glossy + transmission;
-    if (recorded_) {
-      return;
-    }
-    s.depth = (to_camera + travelled_) * view_cosine(point);
-    s.position = scene_.to_world(point.p);
-    if (average(bsdf.transparency) <= 1.0f - scene_.film.pass_alpha_threshold) {
-      s.normal = s.denoising_normal = bsdf.mean_normal();
-      s.uv = scene_.uv(point);
-      recorded_ = true;
-    }
-  }
-  // Blender's depth is along the view axis for perspective and orthographic cameras alike.
-  float view_cosine(const SurfacePoint& point) const {
-    return -dot(point.wo, scene_.camera->axis());
   }
 
   // Next-event estimation. False where the mixture estimator chose it, and the path ends here.
@@ -393,15 +352,13 @@ class PathTracer {
   const BounceLimits limits_;
   const Roulette roulette_;
   const DirectLight strategy_;
-  Passes& pass_sample_;
+  CameraFilm<F.passes> film_;
   std::conditional_t<F.passes, LightPasses, NoPasses> passes_;
 
   std::array<Vec2f, kDraws> draws_;  // of this vertex
   Color radiance_;
   Color beta_ = splat(1.0f);
-  float alpha_ = 1.0f;
   bool on_film_ = true;     // nothing but transparent surfaces since the camera
-  bool recorded_ = false;   // the passes of one surface have their values
   float pdf_ = 0.0f;        // of the current direction; 0: camera, or a singular bounce
   float travelled_ = 0.0f;  // distance from receiver_ along it
   Receiver receiver_;       // where it was sampled

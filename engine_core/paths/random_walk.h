@@ -1,6 +1,7 @@
 // The walk that carries every sub-path, from the camera and from lights alike.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -26,6 +27,11 @@ struct Walk {
   PathDepth depth;
   float travelled = 0.0f;  // from the last vertex that scattered, through transparent surfaces
   uint32_t index = 0;      // surfaces met, transparent ones included
+
+  // The numbers that belong to the current vertex, drawn together: all but kJoin.
+  static constexpr uint32_t kDraws = static_cast<uint32_t>(BounceDim::kJoin);
+  std::array<Vec2f, kDraws> draws;
+  Vec2f draw(BounceDim d) const { return draws[static_cast<size_t>(d)]; }
 };
 
 // What walks share.
@@ -49,10 +55,6 @@ template <class Visitor>
 void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
   const Scene& scene = context.scene;
   const bool from_camera = walk.mode == Transport::kRadiance;
-  const auto draw = [&](BounceDim d) {
-    return context.sampler.get_2d(from_camera ? dimension(walk.index, d)
-                                              : light_dimension(walk.index, d));
-  };
   for (;; ++walk.index) {
     if (context.cancelled.load(std::memory_order_relaxed)) {
       return;
@@ -75,13 +77,14 @@ void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
     v.beta = walk.beta;
     v.mode = walk.mode;
     v.traits = &scene.materials[v.point.material]->traits();
+    walk.draws = context.sampler.get_2d_run<Walk::kDraws>(
+        from_camera ? dimension(walk.index, BounceDim{})
+                    : light_dimension(walk.index, BounceDim{}));
     if (!visitor.arrive(walk, v)) {
       return;
     }
-    const bool choose =
-        !v.bsdf.single_lobe() || context.roulette.begins(walk.depth.total, walk.index);
-    const Vec2f u = choose ? draw(BounceDim::kLobe) : Vec2f{};
-    const auto sample = scatter_sample(scene, v, u.x, draw(BounceDim::kDirection));
+    const Vec2f u = walk.draw(BounceDim::kLobe);
+    const auto sample = scatter_sample(scene, v, u.x, walk.draw(BounceDim::kDirection));
     if (!sample || is_black(sample->weight)) {
       return;
     }

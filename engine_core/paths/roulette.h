@@ -14,11 +14,6 @@ class Roulette {
       : threshold_(static_cast<float>(settings.roulette_threshold)),
         start_(settings.roulette_start) {}
 
-  // Whether survival() may be below 1: only then is a random number needed.
-  bool begins(int bounces, uint32_t vertex) const {
-    return bounces >= start_ || vertex >= kLongPath;
-  }
-
   // The probability of going on after `bounces` bounces, at vertex number `vertex`, for a path that
   // carries `carried` of what it started with. One that goes on is raised by its inverse.
   float survival(int bounces, uint32_t vertex, float carried) const {

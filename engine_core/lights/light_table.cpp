@@ -217,6 +217,10 @@ void weigh_lights(LightTable& table) {
 }  // namespace
 
 Color environment_radiance(const Scene& scene, Vec3f d, uint32_t flags, const PathDepth& depth) {
+  const MaterialTraits& traits = scene.world->traits();
+  if (traits.emission_constant) {
+    return bounded_radiance(traits.average_emission);
+  }
   SurfacePoint point;
   point.scene = &scene;
   point.p = d;

@@ -13,6 +13,20 @@ struct BidirectionalPlan : Plan {
   // Contributions below the inverse of this are followed by chance only; infinite: all are
   // followed.
   float inverse_threshold = kInfinity;
+
+  // Whether a contribution, of which `weight` counts, is worth more work. What is small beside the
+  // picture is let go by chance, and raised where it stays; u is uniform in [0,1).
+  bool worthwhile(Color& c, double weight, float u) const {
+    const float p = max_component(c) * static_cast<float>(weight) * inverse_threshold;
+    if (!(p < 1.0f)) {
+      return true;
+    }
+    if (!(u < p)) {
+      return false;
+    }
+    c *= 1.0f / p;
+    return true;
+  }
 };
 
 // From a pilot of some thousand samples.

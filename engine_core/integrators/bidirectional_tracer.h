@@ -14,6 +14,7 @@
 #include "integrators/filtered_splats.h"
 #include "integrators/technique_set.h"
 #include "lights/light_sampler.h"
+#include "paths/light_end.h"
 #include "paths/random_walk.h"
 #include "paths/subpath.h"
 #include "paths/visibility.h"
@@ -112,12 +113,11 @@ class BidirectionalTracer {
         tracer.light_.drop();
         return false;  // what it does to light depends on the camera's part of the path
       }
-      const float cosine = abs_cosine(v.point, v.point.wo);
       if (walk.depth.total > 0) {
         v.mis = departure.arrive(tracer.heuristic_, static_cast<double>(walk.travelled),
-                                 static_cast<double>(cosine), true);
+                                 static_cast<double>(abs_cosine(v.point, v.point.wo)), true);
       } else if (walk.travelled > emission.lit_from) {
-        v.mis = tracer.first_from_light(emission, v, walk.travelled, cosine);
+        v.mis = first_from_light(tracer.light_ends(), emission, v, walk.travelled);
       } else {
         tracer.light_.drop();
         return false;
@@ -149,37 +149,7 @@ class BidirectionalTracer {
             v.other_reaches};
   }
 
-  // Density of a ray from `light` that arrives at v from wi, over the area at v and the solid angle
-  // there; points: over the area alone.
-  double emission_density(uint32_t light, const PathVertex& v, Vec3f wi, float distance) const {
-    double density =
-        static_cast<double>(lights_.pdf_emission_ray(plan_.guide, light, v.point.p, -wi)) *
-        static_cast<double>(abs_cosine(v.point, wi));
-    if (lights_.is_point(light)) {
-      density /=
-          std::max(static_cast<double>(distance) * static_cast<double>(distance), kLeastSquare);
-    }
-    return density;
-  }
-
-  MisState first_from_light(const EmissionSample& e, const PathVertex& v, float distance,
-                            float cosine) const {
-    static_cast<void>(cosine);
-    const Receiver receiver = receiver_at(v);
-    const float sampled = e.delta_position || e.delta_direction
-                              ? lights_.pdf_selection(receiver, e.light)
-                              : lights_.pdf_light(receiver, e.light, v.point.wo,
-                                                  e.infinite ? kInfinity : distance, e.n);
-    MisState state;
-    state.pdf = emission_density(e.light, v, v.point.wo, distance);
-    state.neighbour = heuristic_(static_cast<double>(sampled));
-    state.chain = lights_.is_hittable(e.light) ? 1.0 : 0.0;
-    return state;
-  }
-
-  Receiver receiver_at(const PathVertex& v) const {
-    return {v.point, (lobes_of_both_sides(scene_, v.point, v.bsdf) & kLobeTransmission) != 0};
-  }
+  Receiver receiver_at(const PathVertex& v) const { return receiver_of(scene_, v); }
 
   // Joins a light vertex to the camera: technique (s, 1).
   void splat_vertex(const Walk& walk, const PathVertex& v) {
@@ -205,7 +175,7 @@ class BidirectionalTracer {
     flux *= static_cast<float>(techniques_.weight(others) / light_paths_);
     // A splat of all paths is a pixel's value as often as there are pixels.
     const float u = walk.draw(BounceDim::kLightChoice).x;
-    if (!worthwhile(flux, 1.0, u)) {
+    if (!plan_.worthwhile(flux, 1.0, u)) {
       return;
     }
     bool blocked = false;
@@ -221,20 +191,10 @@ class BidirectionalTracer {
     flux = clamp(flux, walk.depth.total == 0);
     observer_.found({s, 1, light_number_, &v, nullptr, c->wi, c->distance, others, flux});
     if constexpr (F.passes) {
-      splats_.add(c->raster, flux, shares_toward_camera(v, c->wi), walk.depth.total == 0);
+      splats_.add(c->raster, flux, shares_toward_camera(scene_, v, c->wi), walk.depth.total == 0);
     } else {
       splats_.add(c->raster, flux);
     }
-  }
-
-  // The light passes' parts of what a light's vertex scatters to the camera.
-  LightShares shares_toward_camera(const PathVertex& v, Vec3f wi) const {
-    if (!differs_from(v, wi)) {
-      return light_shares(v.bsdf, wi, Transport::kImportance, kLobeAny);
-    }
-    Bsdf seen;
-    evaluate_bsdf(scene_, seen_from(v.point, wi), seen);
-    return light_shares(seen, v.point.wo, Transport::kRadiance, kLobeAny);
   }
 
   // ---- From the camera.
@@ -392,10 +352,11 @@ class BidirectionalTracer {
     double emitted = 0.0;
     if (v.other_reaches) {
       emitted =
-          v.mis.sum(heuristic_, emission_density(light.light, v, light.wi, light.distance) / pdf,
+          v.mis.sum(heuristic_,
+                    emission_density(light_ends(), light.light, v, light.wi, light.distance) / pdf,
                     static_cast<double>(eval.pdf_reverse));
     }
-    if (!worthwhile(c, techniques_.weight(met + emitted), choice.y)) {
+    if (!plan_.worthwhile(c, techniques_.weight(met + emitted), choice.y)) {
       return;
     }
     if (light.cast_shadow) {
@@ -433,7 +394,7 @@ class BidirectionalTracer {
         v.beta * y.beta *
         (abs_cosine(v.point, wi) * abs_cosine(y.point, wi) * brightness(v) * brightness(y) / d2);
     const float guess = max_component(c);
-    if (!worthwhile(c, 1.0, u.x)) {
+    if (!plan_.worthwhile(c, 1.0, u.x)) {
       return;
     }
     const float raised = max_component(c) / guess;
@@ -455,7 +416,7 @@ class BidirectionalTracer {
     if (v.other_reaches) {
       others += v.mis.sum(heuristic_, from_light, static_cast<double>(at_v.pdf_reverse));
     }
-    if (!worthwhile(c, techniques_.weight(others), u.y)) {
+    if (!plan_.worthwhile(c, techniques_.weight(others), u.y)) {
       return;
     }
     bool blocked = false;
@@ -478,31 +439,7 @@ class BidirectionalTracer {
     });
   }
 
-  // The order of magnitude of a BSDF.
-  static float brightness(const PathVertex& v) {
-    return kInvPi / std::max(v.bsdf.mean_squared_roughness(), 1e-3f);
-  }
-
-  // Whether a contribution, of which `weight` counts, is worth more work. What is small beside the
-  // picture is let go by chance, and raised where it stays; u is uniform in [0,1).
-  bool worthwhile(Color& c, double weight, float u) const {
-    const float p = max_component(c) * static_cast<float>(weight) * plan_.inverse_threshold;
-    if (!(p < 1.0f)) {
-      return true;
-    }
-    if (!(u < p)) {
-      return false;
-    }
-    c *= 1.0f / p;
-    return true;
-  }
-
-  // The i-th of many uniform numbers made from one.
-  static float rotate(float u, uint32_t i) {
-    const float turned = u + static_cast<float>(i * 0x9e3779b9u >> 8) * 0x1p-24f;
-    return std::min(turned - std::floor(turned), kOneMinusEpsilon);
-  }
-
+  LightEnds light_ends() const { return {scene_, plan_.guide, heuristic_}; }
   SegmentContext segments() const { return {scene_, walks_.limits.transparent, walks_.rays}; }
 
   Color clamp(Color c, bool direct) const {

@@ -5,6 +5,7 @@
 
 #include "bsdf/bsdf.h"
 #include "math/vec.h"
+#include "paths/path_vertex.h"
 #include "render/film.h"
 
 namespace vernier {
@@ -43,6 +44,16 @@ inline LightShares light_shares(const Bsdf& bsdf, Vec3f wi, Transport transport,
     }
   }
   return shares;
+}
+
+// The groups' parts of what a vertex of a path from a light scatters to the camera, along wi.
+inline LightShares shares_toward_camera(const Scene& scene, const PathVertex& v, Vec3f wi) {
+  if (!differs_from(v, wi)) {
+    return light_shares(v.bsdf, wi, Transport::kImportance, kLobeAny);
+  }
+  Bsdf seen;
+  evaluate_bsdf(scene, seen_from(v.point, wi), seen);
+  return light_shares(seen, v.point.wo, Transport::kRadiance, kLobeAny);
 }
 
 // Follows one path. What it gathers belongs to the group of its first bounce; where that bounce

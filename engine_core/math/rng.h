@@ -1,6 +1,8 @@
 // Hashes and a small random number generator, for where no stratification is wanted.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "math/vec.h"
@@ -39,5 +41,11 @@ class Pcg32 {
   uint64_t state_ = 0;
   uint64_t increment_;
 };
+
+// The i-th of many uniform numbers made from one in [0,1): each is uniform by itself.
+inline float rotate(float u, uint32_t i) {
+  const float turned = u + static_cast<float>(i * 0x9e3779b9u >> 8) * 0x1p-24f;
+  return std::min(turned - std::floor(turned), 0x1.fffffep-1f);
+}
 
 }  // namespace vernier

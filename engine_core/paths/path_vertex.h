@@ -48,6 +48,11 @@ inline SurfacePoint seen_from(const SurfacePoint& point, Vec3f w) {
   return other;
 }
 
+// The order of magnitude of a vertex's BSDF.
+inline float brightness(const PathVertex& v) {
+  return kInvPi / std::max(v.bsdf.mean_squared_roughness(), 1e-3f);
+}
+
 // Whether closures as seen from wi are others than those that are seen from wo.
 inline bool differs_from(const PathVertex& v, Vec3f wi) {
   return v.traits->direction_dependent || v.traits->path_dependent ||

@@ -1,0 +1,87 @@
+"""Bidirectional path tracing and light tracing make the path tracer's pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
+
+import pytest
+from bidirectional_scenes import CAMERAS, EXTRAS, LIGHTS, MATERIALS, NOT_EMITTED, build
+from scenes import pictures
+from statistics_tools import Array, assert_equal_means
+
+SEEDS = 8
+SAMPLES = {"PATH": 128, "BDPT": 64, "LIGHT": 128}
+
+#: Surfaces on which the camera sees what no light's path can show it.
+SINGULAR = {"mirror", "glass", "diffuse_and_mirror", "fresnel_mirror", "facing_mirrors"}
+#: Those that paths of lights do not enter, or whose lobes are too sharp for a few splats.
+CAMERA_S_OWN = {"light_path_diffuse", "light_path_clear", "light_path_sheet", "camera_only",
+                "near_mirror", "refraction", "backfacing_glass"}  # fmt: skip
+#: Lamps within which surfaces lie: those see it from inside.
+AROUND_SURFACES = {"point_soft_near", "point_hard_near"}
+
+Builder = Callable[[], Any]
+
+SCENES: dict[str, Builder] = {
+    **{f"material {name}": partial(build, name, "many") for name in MATERIALS},
+    **{f"light {name}": partial(build, "principled", name) for name in LIGHTS},
+    **{f"camera {name}": partial(build, "fresnel", "many", name) for name in CAMERAS},
+    **{f"extra {name}": partial(build, "principled", "many", "pinhole", name) for name in EXTRAS},
+}
+
+
+def shots(name: str, integrator: str, **settings: Any) -> Array:
+    samples = SAMPLES[integrator]
+    return pictures(SCENES[name](), SEEDS, integrator=integrator, samples=samples, **settings)
+
+
+@cache
+def reference(name: str) -> Array:
+    return shots(name, "PATH", max_bounces=5)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_bidirectional_path_tracing(name: str) -> None:
+    assert_equal_means(reference(name), shots(name, "BDPT", max_bounces=5))
+
+
+LIT_BY_PATHS = [
+    name
+    for name in SCENES
+    if name.split()[1] not in SINGULAR | CAMERA_S_OWN | NOT_EMITTED | AROUND_SURFACES
+]
+
+
+@pytest.mark.parametrize("name", LIT_BY_PATHS)
+def test_light_tracing(name: str) -> None:
+    assert_equal_means(reference(name), shots(name, "LIGHT", max_bounces=5))
+
+
+SETTINGS: dict[str, dict[str, Any]] = {
+    "balance": {"mis_heuristic": "BALANCE"},
+    "roulette late": {"roulette_start": 3},
+    "roulette off": {"roulette_threshold": 0.0},
+    "roulette early": {"roulette_threshold": 1.0},
+}
+
+
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_settings_leave_the_expectation(setting: str) -> None:
+    name = "material rough_glass"
+    assert_equal_means(reference(name), shots(name, "BDPT", max_bounces=5, **SETTINGS[setting]))
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {"max_bounces": 0},
+        {"max_bounces": 1},
+        {"max_bounces": 2},
+        {"max_bounces": 6, "transparent_bounces": 0},
+    ],
+)
+@pytest.mark.parametrize("name", ["material half_clear", "material glass"])
+def test_limits_on_all_bounces(name: str, limits: dict[str, int]) -> None:
+    assert_equal_means(shots(name, "PATH", **limits), shots(name, "BDPT", **limits))

@@ -11,7 +11,9 @@ void give_way() {
   // Niceness is a property of threads on Linux, 0 names the calling one; a tenth of the weight of
   // an ordinary thread. A refusal leaves the thread as it was.
   constexpr int kNiceness = 10;
-  setpriority(PRIO_PROCESS, 0, kNiceness);
+  if (getpriority(PRIO_PROCESS, 0) < kNiceness) {
+    setpriority(PRIO_PROCESS, 0, kNiceness);
+  }
 #endif
 }
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
+import os
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -193,3 +196,28 @@ def test_a_scene_that_was_not_interactive_shares_nothing() -> None:
     again = engine_core.compile(description, interactive=True, previous=scene)
     assert again.compiled["geometry"]
     assert again.compiled["changed"]
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="single threads have a priority")
+@pytest.mark.parametrize("give_way", [False, True])
+def test_threads_give_way_when_asked(give_way: bool) -> None:
+    def niceness() -> dict[str, int]:
+        found = {}
+        for task in os.listdir("/proc/self/task"):
+            # A thread may end meanwhile: it is then none of the session's.
+            with contextlib.suppress(ProcessLookupError):
+                found[task] = os.getpriority(os.PRIO_PROCESS, int(task))
+        return found
+
+    scene = engine_core.compile(room())
+    before = set(niceness())
+    usual = os.getpriority(os.PRIO_PROCESS, 0)
+    settings = {"samples": 1 << 24, "threads": 2}
+    session = engine_core.Session(scene, settings, ["Combined"], give_way=give_way)
+    session.start()
+    while session.poll().rays == 0:
+        assert not session.wait(0.01)
+    new = [nice for task, nice in niceness().items() if task not in before]
+    session.cancel()
+    assert session.wait(60.0)
+    assert new.count(max(usual, 10) if give_way else usual) == 2

@@ -11,7 +11,7 @@ namespace {
 
 // Samples of the pilot: this part of the render's, within these powers of two.
 constexpr double kPilotPart = 1.0 / 64.0;
-constexpr int kLeastLog2 = 10, kMostLog2 = 15;
+constexpr int kLeastLog2 = 10, kMostLog2 = 14;
 // A contribution is small where it is below this part of the picture's mean.
 constexpr double kSmallPart = 0.1;
 // The part of the choice of lights that goes by their power all the same: a pilot has not seen all.

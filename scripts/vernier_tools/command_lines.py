@@ -22,7 +22,7 @@ from vernier_tools.arguments import (
     positive_numbers,
     resolution,
 )
-from vernier_tools.jobs import ENGINES
+from vernier_tools.jobs import ENGINES, USUAL_ENGINES
 
 ROOT = Path(__file__).parents[2]
 BENCHMARK_PARTS = ("scenes", "rays", "sizes")
@@ -112,7 +112,7 @@ def compare(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--engines",
         type=names_of(ENGINES),
-        default=tuple(ENGINES),
+        default=USUAL_ENGINES,
         metavar="A,B",
         help="the two to compare (default vernier,cycles); cycles,cycles shows what noise alone "
         "does",
@@ -157,14 +157,14 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--references",
         type=names_of(ENGINES),
-        default=tuple(ENGINES),
+        default=USUAL_ENGINES,
         metavar="ENGINE,...",
         help="whose long renders make the reference (vernier,cycles)",
     )
     parser.add_argument(
         "--engines",
         type=names_of(ENGINES),
-        default=tuple(ENGINES),
+        default=USUAL_ENGINES,
         metavar="ENGINE,...",
         help="which to measure (vernier,cycles)",
     )

@@ -73,7 +73,7 @@ def set_up_vernier(scene: bpy.types.Scene, job: Job, seed: int) -> None:
     register_vernier()
     scene.render.engine = "VERNIER"
     vernier = scene.vernier
-    vernier.integrator = "PATH"
+    vernier.integrator = job.engine.partition("-")[2].upper() or "PATH"
     vernier.seed = seed
     vernier.samples = job.samples or vernier.bl_rna.properties["samples"].hard_max
     vernier.time_limit = job.time

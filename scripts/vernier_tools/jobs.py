@@ -16,7 +16,15 @@ from typing import Any
 
 from vernier_tools.errors import ToolError
 
-ENGINES = {"vernier": "Vernier", "cycles": "Cycles"}
+# What can be measured, and its name in tables. After "vernier-" comes an integrator.
+ENGINES = {
+    "vernier": "Vernier",
+    "cycles": "Cycles",
+    "vernier-bdpt": "Vernier BDPT",
+    "vernier-light": "Vernier Light",
+}
+# What is measured where nothing else is asked for.
+USUAL_ENGINES = ("vernier", "cycles")
 
 
 @dataclass(frozen=True)

@@ -308,7 +308,7 @@ class BidirectionalTracer {
     if (!techniques_.camera_paths) {
       return !is_black(v.bsdf.transparency);
     }
-    if (v.bsdf.connectible() && walk.depth.total < walks_.limits.total) {
+    if (v.bsdf.connectible() && walk.depth.total < walks_.limits.total && !walk.spent) {
       sample_light(walk, v);
       const Vec2f u = walks_.sampler.get_2d(dimension(walk.index, BounceDim::kJoin));
       for (uint32_t i = 0; i < light_.size(); ++i) {

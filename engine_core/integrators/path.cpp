@@ -111,7 +111,7 @@ class PathTracer {
       if (!is_black(bsdf.emission)) {
         add_emission(point, bsdf.emission);
       }
-      if (bsdf.lobes() == 0) {
+      if (bsdf.lobes() == 0 || (spent_ && is_black(bsdf.transparency))) {
         break;
       }
       here_ = Receiver(point, (bsdf.lobes() & kLobeTransmission) != 0);
@@ -265,7 +265,7 @@ class PathTracer {
   }
 
   // Whether light that arrives by one more bounce is within the limit on all bounces.
-  bool next_depth_allowed() const { return depth_.total < limits_.total; }
+  bool next_depth_allowed() const { return depth_.total < limits_.total && !spent_; }
 
   // Draws the next direction. Empty: the path ends.
   std::optional<BsdfSample> next_direction(const SurfacePoint& point, const Bsdf& bsdf) const {
@@ -306,6 +306,9 @@ class PathTracer {
       return false;
     }
     const bool straight = (sample->lobe & kLobeTransparent) != 0;
+    if (spent_ && !straight) {
+      return false;
+    }
     if constexpr (F.passes) {
       if (depth_.total == 0 && !straight) {
         passes_.first_bounce(bsdf, *sample);
@@ -315,6 +318,7 @@ class PathTracer {
     if (!limits_.allow(depth_)) {
       return false;
     }
+    spent_ = limits_.spent(depth_);
     beta_ *= sample->weight;
     if (!survive_roulette(vertex)) {
       return false;
@@ -358,6 +362,7 @@ class PathTracer {
   std::array<Vec2f, kDraws> draws_;  // of this vertex
   Color radiance_;
   Color beta_ = splat(1.0f);
+  bool spent_ = false;      // the limits leave nothing but to meet a light
   bool on_film_ = true;     // nothing but transparent surfaces since the camera
   float pdf_ = 0.0f;        // of the current direction; 0: camera, or a singular bounce
   float travelled_ = 0.0f;  // distance from receiver_ along it

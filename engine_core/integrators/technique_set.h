@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lights/light_sample.h"
+#include "paths/bounce_limits.h"
 #include "paths/subpath.h"
 #include "render/settings.h"
 #include "scene/requirements.h"
@@ -16,14 +17,15 @@ struct BidirectionalFeatures {
 
 // Which techniques make the picture.
 struct TechniqueSet {
-  bool light_paths;   // any that start paths at lights
   bool camera_paths;  // any with t >= 2, but for lights that the camera sees directly
+  bool light_paths;   // any that start paths at lights
   bool weighted;
   int only_s, only_t;  // -1: all
 
   TechniqueSet(const Settings& settings, const Requirements& requirements)
-      : light_paths(!requirements.uneven_visibility),
-        camera_paths(static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kLight),
+      : camera_paths(static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kLight),
+        light_paths(!requirements.uneven_visibility &&
+                    !(camera_paths && BounceLimits::by_kind(settings))),
         weighted(camera_paths && settings.unweighted == 0),
         only_s(settings.only_light_vertices),
         only_t(settings.only_camera_vertices) {}

@@ -6,37 +6,49 @@
 
 #include "bsdf/bsdf.h"
 #include "render/settings.h"
+#include "scene/description.h"
 #include "scene/surface_point.h"
 
 namespace vernier {
 
-// Limits on the bounces of a path, in Blender's kinds. No limit is the largest integer.
+// Limits on the bounces of a path, as Cycles has them: the last surface before the light does not
+// count, so that a limit of 0 leaves direct light. No limit is the largest integer.
 struct BounceLimits {
-  int total, diffuse, glossy, transmission, transparent;
+  int total;  // one more than the setting: all surfaces at which a path scatters
+  int diffuse, glossy, transmission, transparent;
 
   explicit BounceLimits(const Settings& s)
       : total(limit(s.max_bounces)),
         diffuse(limit(s.diffuse_bounces)),
         glossy(limit(s.glossy_bounces)),
         transmission(limit(s.transmission_bounces)),
-        transparent(limit(s.transparent_bounces)) {}
+        transparent(limit(s.transparent_bounces)) {
+    total += total < kNone ? 1 : 0;
+  }
 
   // Whether a path that has bounced `depth` times may exist.
   bool allow(const PathDepth& depth) const {
-    return depth.total <= total && depth.diffuse <= diffuse && depth.glossy <= glossy &&
-           depth.transmission <= transmission && depth.transparent <= transparent;
+    return depth.total <= total && depth.transparent <= transparent;
   }
-
+  // Whether it has bounced too often in one way to do more than meet a light.
+  bool spent(const PathDepth& depth) const {
+    return depth.diffuse > diffuse || depth.glossy > glossy || depth.transmission > transmission;
+  }
   // Whether a path may exist that joins one from the camera and one from a light which have
   // bounced so often before the vertices that are joined.
   bool allow_joined(const PathDepth& camera, const PathDepth& light) const {
-    return camera.total + light.total + 1 < total && camera.diffuse + light.diffuse <= diffuse &&
-           camera.glossy + light.glossy <= glossy &&
-           camera.transmission + light.transmission <= transmission;
+    return camera.total + light.total + 1 < total;
+  }
+
+  // Whether there are limits on single kinds of bounces. Which kind a bounce is shows in the lobe
+  // that was sampled, and so for walks from the camera only.
+  static bool by_kind(const Settings& s) {
+    return s.diffuse_bounces >= 0 || s.glossy_bounces >= 0 || s.transmission_bounces >= 0;
   }
 
  private:
-  static int limit(int setting) { return setting < 0 ? std::numeric_limits<int>::max() : setting; }
+  static constexpr int kNone = std::numeric_limits<int>::max();
+  static int limit(int setting) { return setting < 0 ? kNone : setting; }
 };
 
 // A counter that stays at its largest value.

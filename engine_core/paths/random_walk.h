@@ -25,6 +25,7 @@ struct Walk {
   uint32_t flags = kRayCamera;
   uint32_t mask = kVisibleCamera;
   PathDepth depth;
+  bool spent = false;      // from the camera: the limits leave nothing but to meet a light
   float travelled = 0.0f;  // from the last vertex that scattered, through transparent surfaces
   uint32_t index = 0;      // surfaces met, transparent ones included
 
@@ -88,10 +89,15 @@ void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
     if (!sample || is_black(sample->weight)) {
       return;
     }
+    const bool straight = (sample->lobe & kLobeTransparent) != 0;
+    if (walk.spent && !straight) {
+      return;
+    }
     scatter(sample->lobe, walk.depth, walk.flags, walk.mask);
     if (!context.limits.allow(walk.depth)) {
       return;
     }
+    walk.spent = from_camera && context.limits.spent(walk.depth);
     walk.beta *= sample->weight;
     const float survival = context.roulette.survival(walk.depth.total, walk.index,
                                                      max_component(walk.beta) / walk.start);
@@ -101,7 +107,7 @@ void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
     if (survival < 1.0f) {
       walk.beta *= 1.0f / survival;
     }
-    if ((sample->lobe & kLobeTransparent) != 0) {
+    if (straight) {
       visitor.pass(v);
     } else {
       visitor.leave(v, *sample);

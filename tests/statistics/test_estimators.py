@@ -84,6 +84,18 @@ def test_settings_that_leave_the_expectation(settings: dict[str, object]) -> Non
     assert_equal_means(reference("room"), pictures(room(), SEEDS, samples=64, **settings))
 
 
+@pytest.mark.parametrize("kind", ["diffuse_bounces", "glossy_bounces", "max_bounces"])
+@pytest.mark.parametrize("limit", [0, 1])
+def test_estimators_agree_under_limits(kind: str, limit: int) -> None:
+    """The last surface before the light counts in none of them."""
+    settings = {kind: limit, "samples": 64}
+    mis = pictures(room(), SEEDS, **settings)
+    if limit == 0:
+        assert mis.mean() < 0.95 * reference("room").mean()
+    for other in ({"direct_light": "LIGHT"}, {"direct_light": "BSDF"}, {"integrator": "BDPT"}):
+        assert_equal_means(mis, pictures(room(), SEEDS, **settings, **other))
+
+
 def test_bounce_limits_take_light_away_in_order() -> None:
     means = [
         picture(room(), samples=32, max_bounces=bounces).mean() for bounces in (0, 1, 2, 4, -1)
@@ -151,7 +163,7 @@ def test_half_matte_and_three_tenths_mirror(direct_light: str) -> None:
 
 
 def test_whitted_equals_path_tracing_of_direct_light() -> None:
-    """With a point light, black surroundings and one bounce there is nothing else."""
+    """With a point light and black surroundings there is nothing else."""
     scene = SceneBuilder((8, 8))
     scene.add(quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), diffuse(0.6))
     scene.add(box((-0.3, -0.3, 0.0), (0.3, 0.3, 0.6)), diffuse(0.8))
@@ -160,5 +172,5 @@ def test_whitted_equals_path_tracing_of_direct_light() -> None:
     )
     scene.camera((0, -4, 3), (0, 0, 0.3))
     a = picture(scene, samples=64, integrator="WHITTED")
-    b = picture(scene, samples=64, max_bounces=1)
+    b = picture(scene, samples=64, max_bounces=0)
     assert a == pytest.approx(b, rel=1e-4)

@@ -1,0 +1,73 @@
+"""What every integrator owes: all passes, finite, and an end when it is asked for."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from engine_core.description import Film
+from scenes import SceneBuilder, background, diffuse, emission, placed, quad, shader, sphere
+
+import engine_core
+
+INTEGRATORS = [
+    identifier
+    for parameter in engine_core.parameters()
+    if parameter.name == "integrator"
+    for identifier, *_ in parameter.items
+]
+PASSES = [info.name for info in engine_core.passes()]
+
+
+def scene() -> Any:
+    """Lamps and materials of every sort, seen through a lens, on part of the frame."""
+    builder = SceneBuilder((40, 36))
+    builder.description.film = Film(40, 36, crop=(3, 2, 38, 36), transparent=True)
+    builder.camera((0, -6, 3), (0, 0, 0.6), aperture_radius=0.05, focus_distance=6.0, blades=5)
+    builder.add(quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), diffuse((0.7, 0.5, 0.3)))
+    principled = shader(
+        "ShaderNodeBsdfPrincipled", Base_Color=(0.5, 0.6, 0.8, 1.0), Alpha=0.7, Coat_Weight=0.5
+    )
+    builder.add(sphere(0.8, (-1, 0, 0.8), rings=12), principled)
+    glass = shader("ShaderNodeBsdfGlass", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0, IOR=1.5)
+    builder.add(sphere(0.7, (1, -0.5, 0.7), rings=12), glass)
+    builder.add(quad((-1, -1, 4), (0, 2, 0), (2, 0, 0)), emission(5.0))
+    builder.light("POINT", transform=placed(1.0, (2, -2, 3)), emission=(60.0,) * 3)
+    builder.light("SPOT", transform=placed(1.0, (-2, -2, 3)), emission=(60.0,) * 3, radius=0.1)
+    builder.light("SUN", emission=(1.0,) * 3, sun_angle=0.1)
+    builder.description.world = background(0.3)
+    return engine_core.compile(builder.description, threads=2, keep_uv=True)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_all_passes_are_finite(integrator: str) -> None:
+    compiled = scene()
+    session = engine_core.Session(
+        compiled, {"integrator": integrator, "samples": 6, "threads": 3}, PASSES
+    )
+    session.start()
+    while not session.wait(10.0):
+        pass
+    assert session.error_message == ""
+    progress = session.poll(True)
+    assert progress.non_finite == 0
+    assert progress.samples == 6
+    width, height = 35, 34
+    for name in PASSES:
+        assert np.isfinite(session.read(name, 0, 0, width, height)).all(), name
+    assert session.read("Combined", 0, 0, width, height)[..., :3].mean() > 0.05
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_render_can_be_cancelled_at_any_moment(integrator: str) -> None:
+    compiled = scene()
+    settings = {"integrator": integrator, "samples": 1 << 24, "threads": 3}
+    for moment in np.random.default_rng(3).uniform(0.0, 0.15, 8):
+        session = engine_core.Session(compiled, settings, ["Combined", "Error"])
+        session.start()
+        time.sleep(moment)
+        session.cancel()
+        assert session.wait(20.0)
+        assert session.error_message == ""

@@ -32,9 +32,10 @@ scene.render.resolution_x, scene.render.resolution_y = 960, 540
     early = wait_for_red(blender, "f12_early", region)
     time.sleep(3.0)
     late = blender.picture("f12_late")[region]
-    # The same picture with less noise.
-    assert abs(redness(early) - redness(late)) < 0.3 * redness(late)
-    assert 0.0 < np.abs(early - late).mean() < 0.05
+    # The same picture with more tiles or less noise.
+    seen = (early[..., 0] > 1.5 * early[..., 1]) & (early[..., 0] > 0.2)
+    assert (late[seen, 0] > 1.5 * late[seen, 1]).mean() > 0.9
+    assert np.abs(early - late).mean() > 0.0
     assert is_rendering(blender)
     blender.key("Escape")
     blender.wait_until(lambda: not is_rendering(blender), 10.0, "the end after Esc")

@@ -87,9 +87,9 @@ class FinalRender:
         threads = int(values["threads"])
         compiled = self._compile(description, threads, keep_uv, consume=not keep)
         built = time.perf_counter()
-        messages = [*messages, *compiled.warnings]
-        self._report(messages)
         session = core().Session(compiled, values, [item.name for item in passes])
+        messages = [*messages, *compiled.warnings, *session.notes]
+        self._report(messages)
         x0, y0, x1, y1 = description.film.crop
         picture = _Picture(engine, layer.name, session, passes, x1 - x0, y1 - y0)
         self._lines = ProgressLines(scene, layer.name)

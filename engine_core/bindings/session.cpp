@@ -95,6 +95,8 @@ void bind_session(nb::module_& m) {
       .def("read", &read, nb::arg("name"), nb::arg("x"), nb::arg("y"), nb::arg("width"),
            nb::arg("height"), "The current estimate of a pass: (height, width, channels) float32.")
       .def_prop_ro("threads", &Session::thread_count)
+      .def_prop_ro("notes", &Session::notes,
+                   "What the integrator leaves out in this scene, a sentence each.")
       .def_prop_ro("error_message", &Session::error_message);
 }
 

@@ -19,9 +19,37 @@ void render_bidirectional_tile(const RenderContext& context, const Batch& batch,
       });
 }
 
+// What the user should know of the techniques that are left out.
+std::vector<std::string> describe_limits(const Settings& settings,
+                                         const Requirements& requirements) {
+  const TechniqueSet techniques(settings, requirements);
+  const std::string uneven =
+      "some objects are visible to some kinds of scattered rays and hidden from others";
+  std::vector<std::string> notes;
+  if (techniques.camera_paths) {
+    if (!techniques.light_paths) {
+      notes.push_back("Bidirectional Path Tracing starts no paths at lights here: " +
+                      (requirements.uneven_visibility
+                           ? uneven
+                           : "bounces limited by kind are counted from the camera"));
+    }
+    return notes;
+  }
+  if (!techniques.light_paths) {
+    notes.push_back("Light Tracing finds nothing but lights seen directly here: " + uneven);
+  } else if (BounceLimits::by_kind(settings)) {
+    notes.push_back("Light Tracing limits bounces in all, not by kind");
+  }
+  if (requirements.singular_lobes) {
+    notes.push_back("Light Tracing shows nothing on mirrors and through clear glass");
+  }
+  return notes;
+}
+
 }  // namespace
 
-Kernel bidirectional_kernel(const Settings&, const Requirements& requirements, PassSet passes) {
+Kernel bidirectional_kernel(const Settings& settings, const Requirements& requirements,
+                            PassSet passes) {
   // Indexed by the bits passes, transparent.
   static constexpr RenderTile kKernels[] = {
       render_bidirectional_tile<BidirectionalFeatures{false, false}>,
@@ -31,7 +59,7 @@ Kernel bidirectional_kernel(const Settings&, const Requirements& requirements, P
   };
   const unsigned index =
       (passes.any_sampled() ? 1u : 0u) | (requirements.transparent_shadows ? 2u : 0u);
-  return {kKernels[index], true, make_bidirectional_plan};
+  return {kKernels[index], true, make_bidirectional_plan, describe_limits(settings, requirements)};
 }
 
 }  // namespace vernier

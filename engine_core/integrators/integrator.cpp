@@ -11,12 +11,12 @@ Kernel choose_kernel(const Settings& settings, const Requirements& requirements,
     case IntegratorKind::kPath:
       break;
     case IntegratorKind::kWhitted:
-      return {whitted_kernel()};
+      return {.render_tile = whitted_kernel()};
     case IntegratorKind::kLight:
     case IntegratorKind::kBdpt:
       return bidirectional_kernel(settings, requirements, passes);
   }
-  return {path_kernel(settings, requirements, passes)};
+  return {.render_tile = path_kernel(settings, requirements, passes)};
 }
 
 }  // namespace vernier

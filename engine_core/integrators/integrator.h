@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "render/film.h"
 #include "render/settings.h"
@@ -52,6 +54,7 @@ struct Kernel {
   // Makes the plan; null where the method needs none.
   std::unique_ptr<const Plan> (*make_plan)(const RenderContext& context, uint64_t seed,
                                            RenderStats& stats) = nullptr;
+  std::vector<std::string> notes = {};  // what the method leaves out in this scene, a sentence each
 };
 
 // The kernel of the chosen integrator for what this scene and these passes need, and nothing else.

@@ -57,6 +57,8 @@ class Session {
   Progress poll(bool with_error) const;
   // Tiles that have changed since the last call.
   std::vector<Tile> take_tiles();
+  // What the method leaves out in this scene, a sentence each.
+  const std::vector<std::string>& notes() const { return kernel_.notes; }
   // Empty, or why the render ended early.
   std::string error_message() const;
 

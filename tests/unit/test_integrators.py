@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from engine_core.description import Film
+from engine_core.description import Film, Visibility
 from scenes import SceneBuilder, background, diffuse, emission, placed, quad, shader, sphere
 
 import engine_core
@@ -71,3 +71,23 @@ def test_a_render_can_be_cancelled_at_any_moment(integrator: str) -> None:
         session.cancel()
         assert session.wait(20.0)
         assert session.error_message == ""
+
+
+def notes(visibility: Visibility = Visibility.ALL, **settings: Any) -> list[str]:
+    builder = SceneBuilder((4, 4))
+    builder.add(quad((-1, -1, 0), (2, 0, 0), (0, 2, 0)), diffuse(0.5), visibility=visibility)
+    builder.light("POINT", transform=placed(1.0, (0, 0, 2)), emission=(10.0,) * 3)
+    builder.camera((0, -4, 3), (0, 0, 0))
+    compiled = engine_core.compile(builder.description, threads=1)
+    return list(engine_core.Session(compiled, settings, ["Combined"]).notes)
+
+
+@pytest.mark.parametrize("integrator", ["BDPT", "LIGHT"])
+def test_what_is_left_out_is_named(integrator: str) -> None:
+    assert notes(integrator=integrator) == []
+    (limited,) = notes(integrator=integrator, diffuse_bounces=2)
+    assert "kind" in limited
+    hidden = Visibility.ALL & ~Visibility.GLOSSY
+    (uneven,) = notes(hidden, integrator=integrator)
+    assert "hidden" in uneven
+    assert notes(hidden, integrator="PATH", diffuse_bounces=2) == []

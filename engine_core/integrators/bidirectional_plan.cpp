@@ -12,6 +12,8 @@ namespace {
 // Samples of the pilot: this part of the render's, within these powers of two.
 constexpr double kPilotPart = 1.0 / 64.0;
 constexpr int kLeastLog2 = 10, kMostLog2 = 14;
+// The part of them, one in this many, that finds out where to aim; the rest is aimed.
+constexpr uint32_t kAimingPart = 4;
 // A contribution is small where it is below this part of the picture's mean.
 constexpr double kSmallPart = 0.1;
 // The part of the choice of lights that goes by their power all the same: a pilot has not seen all.
@@ -19,7 +21,7 @@ constexpr double kByPower = 0.25;
 // The part of distant lights' rays that is aimed.
 constexpr float kAimed = 0.75f;
 // Of the points that the camera's paths visit, those that the aim covers.
-constexpr double kCovered = 0.98;
+constexpr double kCovered = 0.95;
 
 // Lights that get a guide to their directions: no more than these, and each with at least this part
 // of the light that paths from lights carry.
@@ -80,7 +82,20 @@ void aim_at(std::vector<Vec3f>& points, const Scene& scene, EmissionGuide& guide
     return length_squared(a - guide.center) < length_squared(b - guide.center);
   });
   guide.radius = length(*last - guide.center);
-  guide.share = guide.radius > 0.0f && guide.radius < scene.radius ? kAimed : 0.0f;
+  if (!(guide.radius > 0.0f && guide.radius < scene.radius)) {
+    return;
+  }
+  guide.share = kAimed;
+  guide.reach = scene.radius + length(guide.center - scene.center);
+  // Of distant lights' power that part counts which passes the sphere: however large the scene is,
+  // they must not take all paths from the lamps in it.
+  const double part = square(static_cast<double>(guide.radius) / static_cast<double>(scene.radius));
+  std::vector<double> weights(scene.lights->count());
+  for (uint32_t light = 0; light < weights.size(); ++light) {
+    weights[light] = static_cast<double>(guide.lights.probability(light)) *
+                     (scene.lights->is_infinite(light) ? part : 1.0);
+  }
+  guide.lights = AliasTable(weights);
 }
 
 // Chooses lights by what the pilot saw them do. Never 0 where it was not, and 0 where it was.
@@ -144,6 +159,47 @@ void direct_by(const LightTally& tally, EmissionGuide& guide) {
   }
 }
 
+// Samples spread over the picture, by the plan so far.
+class Pilot {
+ public:
+  Pilot(const RenderContext& context, const BidirectionalPlan& plan, uint64_t seed,
+        RenderStats& stats)
+      : context_(context), seed_(seed), stats_(stats) {
+    context_.plan = &plan;
+  }
+
+  // Tells `tally` of the paths of samples `first` to `last`, and appends to `points` the first
+  // surfaces that the camera's paths visit.
+  void run(uint32_t first, uint32_t last, int log2_samples, LightTally& tally,
+           std::vector<Vec3f>& points) {
+    const Scene& scene = context_.scene;
+    const std::array<int32_t, 4>& crop = scene.film.crop;
+    for (uint32_t i = first; i < last && !context_.cancelled; ++i) {
+      // A sequence of its own: no sample of the picture sees these numbers.
+      const SobolSampler sampler(0, 0, i, log2_samples, hash64(~seed_));
+      const Vec2f u = sampler.get_2d(dimension(CameraDim::kFilter));
+      const Vec2f raster{lerp(static_cast<float>(crop[0]), static_cast<float>(crop[2]), u.x),
+                         lerp(static_cast<float>(crop[1]), static_cast<float>(crop[3]), u.y)};
+      const CameraRay ray =
+          scene.camera->generate_ray(raster, sampler.get_2d(dimension(CameraDim::kLens)));
+      NoPassSample no_passes;
+      BidirectionalTracer<BidirectionalFeatures{false, true}, LightTally>(
+          context_, sampler, stats_, nullptr, no_passes, memory_, tally)
+          .run(ray);
+      const Subpath& path = memory_.camera;
+      for (uint32_t v = 0; v < path.size() && path[v].point.depth.total <= 1; ++v) {
+        points.push_back(path[v].point.p);
+      }
+    }
+  }
+
+ private:
+  RenderContext context_;
+  uint64_t seed_;
+  RenderStats& stats_;
+  BidirectionalMemory memory_;
+};
+
 }  // namespace
 
 std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context, uint64_t seed,
@@ -151,38 +207,24 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
   const Scene& scene = context.scene;
   auto plan = std::make_unique<BidirectionalPlan>();
   plan->guide = scene.lights->guide_by_power();
-  RenderContext pilot = context;
-  pilot.plan = plan.get();
-  BidirectionalMemory memory;
-  LightTally tally(scene.lights->count());
-  NoPassSample no_passes;
-  std::vector<Vec3f> points;
   const std::array<int32_t, 4>& crop = scene.film.crop;
   const double samples = static_cast<double>(crop[2] - crop[0]) *
                          static_cast<double>(crop[3] - crop[1]) * context.settings.samples;
   const int log2_samples =
       std::clamp(std::ilogb(std::max(samples * kPilotPart, 1.0)), kLeastLog2, kMostLog2);
   const uint32_t count = 1u << log2_samples;
-  for (uint32_t i = 0; i < count && !context.cancelled; ++i) {
-    // A sequence of its own: no sample of the picture sees these numbers.
-    const SobolSampler sampler(0, 0, i, log2_samples, hash64(~seed));
-    const Vec2f u = sampler.get_2d(dimension(CameraDim::kFilter));
-    const Vec2f raster{lerp(static_cast<float>(crop[0]), static_cast<float>(crop[2]), u.x),
-                       lerp(static_cast<float>(crop[1]), static_cast<float>(crop[3]), u.y)};
-    const CameraRay ray =
-        scene.camera->generate_ray(raster, sampler.get_2d(dimension(CameraDim::kLens)));
-    BidirectionalTracer<BidirectionalFeatures{false, true}, LightTally>(
-        pilot, sampler, stats, nullptr, no_passes, memory, tally)
-        .run(ray);
-    for (uint32_t v = 0; v < memory.camera.size() && memory.camera[v].point.depth.total <= 1; ++v) {
-      points.push_back(memory.camera[v].point.p);
-    }
-  }
+  const uint32_t aiming = count / kAimingPart;
+  Pilot pilot(context, *plan, seed, stats);
+  std::vector<Vec3f> points;
+  LightTally unaimed(scene.lights->count());
+  pilot.run(0, aiming, log2_samples, unaimed, points);
+  aim_at(points, scene, plan->guide);
+  LightTally tally(scene.lights->count());
+  pilot.run(aiming, count, log2_samples, tally, points);
   if (tally.total > 0.0) {
-    plan->inverse_threshold = static_cast<float>(count / (kSmallPart * tally.total));
+    plan->inverse_threshold = static_cast<float>((count - aiming) / (kSmallPart * tally.total));
     choose_by(tally, plan->guide);
     direct_by(tally, plan->guide);
-    aim_at(points, scene, plan->guide);
   }
   return plan;
 }

@@ -111,35 +111,50 @@ void emit_area(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, const Vec3
 
 float disk_density(float radius) { return bounded_density(kInvPi / radius / radius); }
 
-// Density, over area across the direction d, of the ray through p from far away.
-float disk_density(const LightTable& table, const EmissionGuide& guide, Vec3f p, Vec3f d) {
-  const float whole = disk_density(table.radius);
-  if (!(guide.share > 0.0f)) {
-    return whole;
+// Density, over area across a distant light's rays, of one that passes the guide's centre at
+// distance rho.
+float ring_density(const EmissionGuide& guide, float rho) {
+  if (rho <= guide.radius) {
+    return guide.share * disk_density(guide.radius);
   }
-  const bool within = length_squared(cross(p - guide.center, d)) <= square(guide.radius);
-  return lerp(whole, within ? disk_density(guide.radius) : 0.0f, guide.share);
+  return rho <= guide.reach ? (1.0f - guide.share) * 0.5f * disk_density(rho) /
+                                  std::log(guide.reach / guide.radius)
+                            : 0.0f;
 }
 
-// A ray along d that passes the scene's disk or the guide's, from before the bounding sphere.
-void emit_from_afar(const LightTable& table, const EmissionGuide& guide, Vec2f u_position, Vec3f d,
-                    EmissionSample& out) {
+// The same for the ray through p along d.
+float afar_density(const LightTable& table, const EmissionGuide& guide, Vec3f p, Vec3f d) {
+  return guide.share > 0.0f ? ring_density(guide, length(cross(p - guide.center, d)))
+                            : disk_density(table.radius);
+}
+
+// A ray along d, from before the bounding sphere. Returns its density over the area across it.
+float emit_from_afar(const LightTable& table, const EmissionGuide& guide, Vec2f u, Vec3f d,
+                     EmissionSample& out) {
   Vec3f center = table.center;
-  float radius = table.radius;
-  if (u_position.x < guide.share) {
-    u_position.x /= guide.share;
+  Vec2f offset;
+  float density = disk_density(table.radius);
+  if (guide.share > 0.0f) {
     center = guide.center;
-    radius = guide.radius;
+    if (u.x < guide.share) {
+      offset = square_to_disk({u.x / guide.share, u.y}) * guide.radius;
+      density = guide.share * disk_density(guide.radius);
+    } else {
+      const float outward = (u.x - guide.share) / (1.0f - guide.share);
+      const float rho = guide.radius * std::pow(guide.reach / guide.radius, outward);
+      offset = Vec2f{std::cos(kTwoPi * u.y), std::sin(kTwoPi * u.y)} * rho;
+      density = ring_density(guide, std::max(rho, std::nextafter(guide.radius, kInfinity)));
+    }
   } else {
-    u_position.x = std::min((u_position.x - guide.share) / (1.0f - guide.share), kOneMinusEpsilon);
+    offset = square_to_disk(u) * table.radius;
   }
-  const Vec2f disk = square_to_disk(u_position) * radius;
   const Frame across(d);
   out.direction = d;
   out.n = d;
   out.infinite = true;
   const float before = table.radius + dot(center - table.center, d);
-  out.p = center + across.s * disk.x + across.t * disk.y - d * before;
+  out.p = center + across.s * offset.x + across.t * offset.y - d * before;
+  return density;
 }
 
 // `direction` is the density of the direction d, where the lamp has one.
@@ -179,7 +194,7 @@ float lamp_ray_pdf(const LightTable& table, const EmissionGuide& guide, const La
                         : (cosine > 0.0f ? direction / (cosine * lamp.area) : 0.0f);
     }
     case LightKind::kSun:
-      return disk_density(table, guide, p, d) * (lamp.delta ? 1.0f : pdf_sun(lamp));
+      return afar_density(table, guide, p, d) * (lamp.delta ? 1.0f : pdf_sun(lamp));
   }
   return 0.0f;
 }
@@ -227,7 +242,7 @@ float LightSampler::pdf_emission_ray(const EmissionGuide& guide, uint32_t light,
     return selection * density * bounded_density(1.0f / triangle.area);
   }
   if (table.is_environment(light)) {
-    return selection * disk_density(table, guide, p, direction) *
+    return selection * afar_density(table, guide, p, direction) *
            table.environment.pdf_direction(-direction);
   }
   const Lamp& lamp = table.lamp(light);
@@ -263,14 +278,14 @@ bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, V
     pdf = pdf_emission(out.light, out.p, out.n, out.direction);
     pdf.direction = guided(aim, pdf.direction, out.direction);
   } else if (table.is_environment(out.light)) {
-    emit_from_afar(table, guide, u_position,
-                   -table.environment.sample_direction(u_direction, pdf.direction), out);
-    pdf.position = disk_density(table, guide, out.p, out.direction);
+    const Vec3f d = -table.environment.sample_direction(u_direction, pdf.direction);
+    pdf.position = emit_from_afar(table, guide, u_position, d, out);
     out.radiance = environment(-out.direction, 0, PathDepth{});
     out.visibility = table.scene->world_visibility;
   } else {
     const Lamp& lamp = table.lamp(out.light);
     ShapeSample shape;
+    float afar = 0.0f;
     switch (lamp.kind) {
       case LightKind::kPoint:
       case LightKind::kSpot:
@@ -282,7 +297,7 @@ bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, V
       case LightKind::kSun:
         sample_sun(lamp, u_direction, shape);
         out.delta_direction = lamp.delta;
-        emit_from_afar(table, guide, u_position, -shape.wi, out);
+        afar = emit_from_afar(table, guide, u_position, -shape.wi, out);
         break;
     }
     shape.wi = -out.direction;
@@ -295,7 +310,7 @@ bool LightSampler::sample_emission(const EmissionGuide& guide, float u_select, V
     pdf = lamp_emission_pdf(table, lamp, out.n, out.direction,
                             guided(aim, direction_pdf(lamp, out.direction), out.direction));
     if (out.infinite) {
-      pdf.position = disk_density(table, guide, out.p, out.direction);
+      pdf.position = afar;
     }
   }
   out.pdf_position = pdf.position;

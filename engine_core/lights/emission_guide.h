@@ -32,10 +32,13 @@ struct DirectionGuide {
 // Any guide gives the same picture; a good one starts paths where they matter.
 struct EmissionGuide {
   AliasTable lights;  // which light a path starts at
-  // A part `share` in [0, 1) of the rays of suns and the environment passes this sphere, uniformly
-  // over its disk; the rest passes the sphere of the whole scene. Render space.
+  // A part `share` in (0, 1) of the rays of suns and the environment passes this sphere, uniformly
+  // over its disk. The others pass beyond, as far as `reach`, evenly over the logarithm of their
+  // distance: nothing near the sphere is left in the dark however large the scene is. Share 0: all
+  // pass the sphere of the whole scene uniformly. Render space.
   Vec3f center;
   float radius = 0;
+  float reach = 0;
   float share = 0;
   // Of lights at finite places: those that have one, each light's number in `directions_of`.
   std::vector<DirectionGuide> directions;

@@ -25,16 +25,24 @@ inline Ray spawn_ray(const SurfacePoint& from, Vec3f d) {
   return {offset_origin(from.p, from.p_error, from.ng, d), d, kInfinity};
 }
 
+// The end of a segment from `from` to the surface point p. A ray meets the plane of p with an error
+// of the size of its way there, which may be far larger than that of p: it must end before all of
+// that. (The intersection is a quotient of dot products with differences to the ray's origin, each
+// good to some 4 roundings, and p itself lies off the plane by its own error; 16 leave room.)
+inline Vec3f segment_end(Vec3f from, Vec3f p, Vec3f p_error, Vec3f ng) {
+  const Vec3f back = from - p;
+  return offset_origin(p, p_error + splat(gamma(16) * max_component(abs(back))), ng, back);
+}
+
 // The segment between two surface points.
 inline Ray spawn_segment(const SurfacePoint& from, const SurfacePoint& to) {
-  const Vec3f d = to.p - from.p;
-  const Vec3f o = offset_origin(from.p, from.p_error, from.ng, d);
-  return {o, offset_origin(to.p, to.p_error, to.ng, -d) - o, kOneMinusEpsilon};
+  const Vec3f o = offset_origin(from.p, from.p_error, from.ng, to.p - from.p);
+  return {o, segment_end(o, to.p, to.p_error, to.ng) - o, kOneMinusEpsilon};
 }
 
 // The segment from a point in free space to a surface point.
 inline Ray spawn_segment(Vec3f from, const SurfacePoint& to) {
-  return {from, offset_origin(to.p, to.p_error, to.ng, from - to.p) - from, kOneMinusEpsilon};
+  return {from, segment_end(from, to.p, to.p_error, to.ng) - from, kOneMinusEpsilon};
 }
 
 // The ray from a surface point to a light, ending just before it.
@@ -43,8 +51,7 @@ inline Ray spawn_shadow_ray(const SurfacePoint& from, const LightSample& light) 
   if (!(light.distance < kInfinity)) {
     return {o, light.wi, kInfinity};
   }
-  const Vec3f target = offset_origin(light.p, light.p_error, light.n, -light.wi);
-  return {o, target - o, kOneMinusEpsilon};
+  return {o, segment_end(o, light.p, light.p_error, light.n) - o, kOneMinusEpsilon};
 }
 
 }  // namespace vernier

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from bidirectional_scenes import CAMERAS, EXTRAS, LIGHTS, MATERIALS, NOT_EMITTED, build
-from scenes import pictures
+from scenes import SceneBuilder, box, diffuse, pictures, placed, quad
 from statistics_tools import Array, assert_equal_means
 
 SEEDS = 8
@@ -85,3 +85,20 @@ def test_settings_leave_the_expectation(setting: str) -> None:
 @pytest.mark.parametrize("name", ["material half_clear", "material glass"])
 def test_limits_on_all_bounces(name: str, limits: dict[str, int]) -> None:
     assert_equal_means(shots(name, "PATH", **limits), shots(name, "BDPT", **limits))
+
+
+@pytest.mark.parametrize("integrator", ["LIGHT", "BDPT"])
+@pytest.mark.parametrize("size", [1e3, 1e5])
+def test_a_narrow_view_of_a_huge_plane_does_not_starve(integrator: str, size: float) -> None:
+    """Paths from the sun are aimed at what the camera sees, and a lamp there has its share."""
+    scene = SceneBuilder((16, 16))
+    scene.add(quad((-size / 2, -size / 2, 0), (size, 0, 0), (0, size, 0)), diffuse(0.6))
+    scene.add(box((-0.3, -0.3, 0.1), (0.3, 0.3, 0.5)), diffuse(0.7))
+    scene.light("SUN", emission=(2.0,) * 3, sun_angle=0.01)
+    scene.light("POINT", transform=placed(1.0, (0.6, -0.6, 1.0)), emission=(30.0,) * 3)
+    scene.camera((0, -4, 3), (0, 0, 0.2), fov=20)
+    path = pictures(scene, SEEDS, samples=64)
+    other = pictures(scene, SEEDS, samples=64, integrator=integrator)
+    assert_equal_means(path, other)
+    # Of paths over the whole plane, not one of a million would come into view.
+    assert other.std(axis=0, ddof=1).mean() < 0.5 * path.mean()

@@ -138,8 +138,6 @@ class Bsdf {
 
   // Union of the bits of what may be sampled.
   uint8_t lobes() const { return bits_; }
-  // True where sample() has no use for u_lobe.
-  bool single_lobe() const { return lambert_; }
   // True where eval() can be other than zero: some lobe is not singular.
   bool connectible() const { return smooth_; }
   // Estimate of the directional albedo toward wo of events within the mask (colour passes).

@@ -14,6 +14,7 @@
 #include "math/warp.h"
 #include "nodes/material.h"
 #include "paths/bounce_limits.h"
+#include "paths/mis.h"
 #include "paths/roulette.h"
 #include "paths/spawn.h"
 #include "paths/visibility.h"
@@ -27,16 +28,6 @@ struct Features {
   bool transparent;  // shadow rays may pass surfaces
   bool mis;          // direct_light is MIS: the others share one kernel
 };
-
-// The power heuristic with exponent 2 for densities a (used) and b, by their ratio so that the
-// squares cannot overflow.
-inline float power_heuristic(float a, float b) {
-  if (!(a < kInfinity)) {
-    return 1.0f;
-  }
-  const float ratio = b / a;
-  return 1.0f / (1.0f + ratio * ratio);
-}
 
 // A path without end (no roulette, no limit, no loss) must still hear a cancel.
 constexpr uint32_t kPollVertices = 256;

@@ -141,7 +141,6 @@ void choose_environment(const Scene& scene, int resolution, LightTable& table) {
 // Where the tree's boxes end: Embree, too, drops what lies far beyond.
 constexpr float kLargestCoordinate = 1e17f;
 
-// Fills in the tree, the distant lights' shares and the powers.
 // Whether what the light reaches depends on nothing but what is in the way: only then do paths that
 // start at it carry what the camera's paths would find. Lights that shine through walls, on some
 // kinds of surfaces only, or otherwise on each receiver are left to those.
@@ -165,6 +164,7 @@ bool shines_evenly(const LightTable& table, uint32_t light) {
          (lamp.shader == nullptr || alike(*lamp.shader));
 }
 
+// Fills in the tree, the distant lights' shares and the powers.
 void weigh_lights(LightTable& table) {
   const uint32_t count = table.count();
   std::vector<double> intensity(count), irradiance(count), power(count);

@@ -42,7 +42,9 @@ class Pcg32 {
   uint64_t increment_;
 };
 
-// The i-th of many uniform numbers made from one in [0,1): each is uniform by itself.
+// The i-th of many uniform numbers made from one in [0,1): each is uniform by itself. Multiples of
+// the golden ratio turn it on (0x9e3779b9 is 2^32 over that), which keeps any few in a row apart
+// (Weyl's sequence).
 inline float rotate(float u, uint32_t i) {
   const float turned = u + static_cast<float>(i * 0x9e3779b9u >> 8) * 0x1p-24f;
   return std::min(turned - std::floor(turned), 0x1.fffffep-1f);

@@ -22,6 +22,16 @@
 
 namespace vernier {
 
+// The power heuristic with exponent 2 (Veach 1997, equation 9.13) where only two techniques
+// compete: for densities a (used) and b, by their ratio so that the squares cannot overflow.
+inline float power_heuristic(float a, float b) {
+  if (!(a < kInfinity)) {
+    return 1.0f;
+  }
+  const float ratio = b / a;
+  return 1.0f / (1.0f + ratio * ratio);
+}
+
 // Sums of ratios live in float64 and stay within this, so that times a zero they are zero.
 inline constexpr double kLargestRatio = 1e300;
 // The square of the least distance that float32 holds.

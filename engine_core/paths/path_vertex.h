@@ -48,9 +48,12 @@ inline SurfacePoint seen_from(const SurfacePoint& point, Vec3f w) {
   return other;
 }
 
-// The order of magnitude of a vertex's BSDF.
+// The order of magnitude of a vertex's BSDF: what reflects into a solid angle in proportion to its
+// squared roughness is as much brighter there. Sharper lobes than kSharpest hardly ever point at
+// what they are joined to: then to count them brighter would only cost evaluations.
 inline float brightness(const PathVertex& v) {
-  return kInvPi / std::max(v.bsdf.mean_squared_roughness(), 1e-3f);
+  constexpr float kSharpest = 1e-3f;
+  return kInvPi / std::max(v.bsdf.mean_squared_roughness(), kSharpest);
 }
 
 // Whether closures as seen from wi are others than those that are seen from wo.

@@ -160,17 +160,25 @@ TileBuffer Film::buffer(size_t tile, uint64_t batch) {
 }
 
 Film::Merged Film::merge_frame(uint64_t batch, TileBuffer&& buffer) {
-  const std::lock_guard lock(frames_lock_);
+  std::unique_lock lock(frames_lock_);
   frames_.at(batch).tiles.push_back(std::move(buffer));
   auto merged = Merged::kNothing;
-  for (auto frame = frames_.begin(); frame != frames_.end() && frame->first == next_frame_ &&
-                                     frame->second.tiles.size() == tiles_.size();
-       frame = frames_.erase(frame), ++next_frame_) {
-    for (const TileBuffer& tile : frame->second.tiles) {
-      const auto number = static_cast<size_t>(tile.number_);
-      const std::lock_guard tile_lock(locks_[number]);
-      add(tiles_[number], tile);
+  // One thread at a time adds, in the batches' order; the others go on rendering meanwhile.
+  while (!adding_frame_) {
+    const auto next = frames_.find(next_frame_);
+    if (next == frames_.end() || next->second.tiles.size() < tiles_.size()) {
+      break;
     }
+    adding_frame_ = true;
+    const auto frame = frames_.extract(next);
+    lock.unlock();
+    for (const TileBuffer& tile : frame.mapped().tiles) {
+      const std::lock_guard tile_lock(locks_[tile.number_]);
+      add(tiles_[tile.number_], tile);
+    }
+    lock.lock();
+    adding_frame_ = false;
+    ++next_frame_;
     merged = Merged::kFrame;
   }
   return merged;
@@ -198,22 +206,26 @@ Film::Merged Film::merge(size_t tile, uint64_t batch, TileBuffer&& buffer) {
   return Merged::kTile;
 }
 
-void Film::add_splats(const SplatFrame& splats, size_t pixel, PixelBatch& batch,
-                      float* values) const {
-  const double* c = splats.sum(0, pixel);
-  batch.r += c[0], batch.g += c[1], batch.b += c[2];
-  if (!splats.has_passes()) {
-    return;
-  }
+Film::SplatChannels Film::splat_channels() const {
   constexpr std::array kPlanes{Pass::kDiffuseDirect,      Pass::kGlossyDirect,
                                Pass::kTransmissionDirect, Pass::kDiffuseIndirect,
                                Pass::kGlossyIndirect,     Pass::kTransmissionIndirect};
+  SplatChannels channels;
   for (size_t i = 0; i < kPlanes.size(); ++i) {
-    if (passes_.has(kPlanes[i])) {
-      const double* light = splats.sum(SplatFrame::kDirectPlane + i, pixel);
-      float* out = values + channel_offset(passes_, kPlanes[i]);
+    channels[i] = passes_.has(kPlanes[i]) ? channel_offset(passes_, kPlanes[i]) : -1;
+  }
+  return channels;
+}
+
+void Film::add_splats(const SplatFrame& splats, const SplatChannels& channels, size_t pixel,
+                      PixelBatch& batch, float* values) {
+  const double* c = splats.sum(0, pixel);
+  batch.r += c[0], batch.g += c[1], batch.b += c[2];
+  for (size_t plane = 0; splats.has_passes() && plane < channels.size(); ++plane) {
+    if (channels[plane] >= 0) {
+      const double* light = splats.sum(SplatFrame::kDirectPlane + plane, pixel);
       for (int channel = 0; channel < 3; ++channel) {
-        out[channel] += static_cast<float>(light[channel]);
+        values[channels[plane] + channel] += static_cast<float>(light[channel]);
       }
     }
   }
@@ -221,6 +233,8 @@ void Film::add_splats(const SplatFrame& splats, size_t pixel, PixelBatch& batch,
 
 void Film::add(const Tile& tile, const TileBuffer& buffer) {
   const auto channels = static_cast<size_t>(sampled_channels(passes_));
+  const SplatChannels splatted = splat_channels();
+  uint64_t samples = 0;
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; ++x) {
       const size_t from = buffer.index(x, y);
@@ -231,20 +245,21 @@ void Film::add(const Tile& tile, const TileBuffer& buffer) {
       const size_t to = static_cast<size_t>(tile.y + y) * static_cast<size_t>(width_) +
                         static_cast<size_t>(tile.x + x);
       if (buffer.splats() != nullptr) {
-        add_splats(*buffer.splats(), to, batch, values_.data() + to * channels);
+        add_splats(*buffer.splats(), splatted, to, batch, values_.data() + to * channels);
       }
       Pixel& p = pixels_[to];
       p.r += batch.r, p.g += batch.g, p.b += batch.b, p.alpha += batch.alpha;
       const double luminance = 0.2126 * batch.r + 0.7152 * batch.g + 0.0722 * batch.b;
       p.luminance_squares += luminance * luminance / batch.samples;
       p.samples += batch.samples;
-      pixel_samples_.fetch_add(batch.samples, std::memory_order_relaxed);
+      samples += batch.samples;
       ++p.batches;
       for (size_t c = 0; c < channels; ++c) {
         values_[to * channels + c] += buffer.values_[from * channels + c];
       }
     }
   }
+  pixel_samples_.fetch_add(samples, std::memory_order_relaxed);
 }
 
 double Film::half_width(const Pixel& p) const {

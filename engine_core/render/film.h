@@ -129,7 +129,11 @@ class Film {
   };
 
   void add(const Tile& tile, const TileBuffer& buffer);
-  void add_splats(const SplatFrame& splats, size_t pixel, PixelBatch& batch, float* values) const;
+  // Where each light pass that splats reach has its channels; -1: it was not asked for.
+  using SplatChannels = std::array<int, SplatFrame::kPlanesWithPasses - SplatFrame::kDirectPlane>;
+  SplatChannels splat_channels() const;
+  static void add_splats(const SplatFrame& splats, const SplatChannels& channels, size_t pixel,
+                         PixelBatch& batch, float* values);
   Merged merge_frame(uint64_t batch, TileBuffer&& buffer);
   static double luminance_sum(const Pixel& p);
   double half_width(const Pixel& p) const;
@@ -148,6 +152,7 @@ class Film {
   std::mutex frames_lock_;
   std::map<uint64_t, Frame> frames_;  // by batch: those begun and not yet in the sums
   uint64_t next_frame_ = 0;
+  bool adding_frame_ = false;  // a thread is at it
 };
 
 // Number of floats that a sample's passes take per pixel, and the place of one pass among them.

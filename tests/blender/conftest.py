@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -36,6 +38,34 @@ def empty_scene() -> Any:
     result.render.resolution_x, result.render.resolution_y = 64, 48
     result.render.resolution_percentage = 100
     return result
+
+
+@pytest.fixture
+def registered(empty_scene: Any) -> Iterator[None]:
+    """The add-on, chosen as the empty scene's engine."""
+    import addon
+
+    addon.register()
+    empty_scene.render.engine = "VERNIER"
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def broken_image(empty_scene: Any, tmp_path: Path) -> Callable[[bytes | None], Any]:
+    """Makes an image whose file, "picture.png", holds the given bytes; none: there is no file."""
+
+    def load(content: bytes | None) -> Any:
+        path = tmp_path / "picture.png"
+        path.write_bytes(b"")
+        image = bpy.data.images.load(str(path))
+        if content is None:
+            path.unlink()
+        else:
+            path.write_bytes(content)
+        return image
+
+    return load
 
 
 @pytest.fixture

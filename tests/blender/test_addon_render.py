@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,18 +10,11 @@ import bpy
 import numpy as np
 import pytest
 
-import addon
 from addon import engine as engine_module
 from addon import progress as progress_module
 from addon import session as session_module
 
-
-@pytest.fixture(autouse=True)
-def _registered(empty_scene: Any) -> Iterator[None]:
-    addon.register()
-    empty_scene.render.engine = "VERNIER"
-    yield
-    addon.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,19 +11,13 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-import addon
 from addon import record
 
 Picture = np.ndarray
 Render = Callable[[], tuple[Picture, list[str]]]
 
 
-@pytest.fixture(autouse=True)
-def _registered(empty_scene: Any) -> Iterator[None]:
-    addon.register()
-    empty_scene.render.engine = "VERNIER"
-    yield
-    addon.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture
@@ -113,15 +107,9 @@ def test_vertices_that_do_not_exist(render: Render, make: Any, rest: None) -> No
 
 @pytest.mark.parametrize("content", [None, b"", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"])
 def test_images_that_are_missing_empty_or_cut_off(
-    render: Render, make: Any, rest: None, tmp_path: Path, content: bytes | None
+    render: Render, make: Any, rest: None, broken_image: Any, content: bytes | None
 ) -> None:
-    path = tmp_path / "texture.png"
-    path.write_bytes(b"")
-    image = bpy.data.images.load(str(path))
-    if content is None:
-        path.unlink()
-    else:
-        path.write_bytes(content)
+    image = broken_image(content)
     material, color = glowing(make, (1, 1, 1, 1))
     texture = material.node_tree.nodes.new("ShaderNodeTexImage")
     texture.image = image
@@ -130,7 +118,7 @@ def test_images_that_are_missing_empty_or_cut_off(
     picture, messages = render()
     assert_rest(picture)
     np.testing.assert_allclose(left(picture), np.broadcast_to((1.0, 0.0, 1.0), (48, 31, 3)))
-    assert any(f"cannot be read ({path})" in text for text in messages)
+    assert any(f"cannot be read ({image.filepath})" in text for text in messages)
 
 
 @pytest.mark.parametrize("instances", [1, 2])

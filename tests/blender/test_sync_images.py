@@ -118,15 +118,10 @@ def test_floats_that_are_not_finite_are_named(empty_scene: Any) -> None:
 
 @pytest.mark.parametrize("content", [None, b"", b"\x89PNG\r\n\x1a\n", b"no image at all"])
 def test_missing_empty_and_damaged_files(
-    empty_scene: Any, tmp_path: Path, content: bytes | None
+    broken_image: Any, tmp_path: Path, content: bytes | None
 ) -> None:
+    image = broken_image(content)
     path = tmp_path / "picture.png"
-    path.write_bytes(b"")
-    image = bpy.data.images.load(str(path))
-    if content is None:
-        path.unlink()
-    else:
-        path.write_bytes(content)
     result, messages = _read(image)
     assert result.pixels is None
     assert messages == [f'image "picture.png": cannot be read ({path}); it is drawn magenta']

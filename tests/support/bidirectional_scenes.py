@@ -27,6 +27,7 @@ from scenes import (
 )
 
 Change = Callable[[SceneBuilder], None]
+Rgb = tuple[float, float, float]
 
 GREY = (0.6, 0.5, 0.4)
 
@@ -101,18 +102,18 @@ def bumped(kind: str) -> Graph:
     )  # fmt: skip
 
 
+def checks(color1: Rgb, color2: Rgb, scale: float) -> tuple[Node, Node]:
+    """Two nodes, the second of which is a checkerboard in the object's coordinates."""
+    inputs = {"Vector": Link(0, "Object"), "Color1": (*color1, 1.0), "Color2": (*color2, 1.0)}
+    return (
+        Node("ShaderNodeTexCoord"),
+        Node("ShaderNodeTexChecker", inputs={**inputs, "Scale": scale}),
+    )
+
+
 def checkered() -> Graph:
     return graph(
-        Node("ShaderNodeTexCoord"),
-        Node(
-            "ShaderNodeTexChecker",
-            inputs={
-                "Vector": Link(0, "Object"),
-                "Color1": (0.8, 0.2, 0.2, 1.0),
-                "Color2": (0.2, 0.7, 0.3, 1.0),
-                "Scale": 3.0,
-            },
-        ),
+        *checks((0.8, 0.2, 0.2), (0.2, 0.7, 0.3), 3.0),
         Node("ShaderNodeBsdfDiffuse", inputs={"Color": Link(1, "Color")}),
     )
 
@@ -204,16 +205,7 @@ def panel(material: Graph, scene: SceneBuilder) -> None:
 
 def textured_emission() -> Graph:
     return graph(
-        Node("ShaderNodeTexCoord"),
-        Node(
-            "ShaderNodeTexChecker",
-            inputs={
-                "Vector": Link(0, "Object"),
-                "Color1": (1.0, 0.3, 0.2, 1.0),
-                "Color2": (0.1, 0.3, 1.0, 1.0),
-                "Scale": 4.0,
-            },
-        ),
+        *checks((1.0, 0.3, 0.2), (0.1, 0.3, 1.0), 4.0),
         Node("ShaderNodeEmission", inputs={"Color": Link(1, "Color"), "Strength": 20.0}),
         output="Emission",
     )

@@ -1,6 +1,8 @@
 #include "nodes/builder.h"
 
+#include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "nodes/math_ops.h"
 
@@ -135,13 +137,15 @@ bool ProgramBuilder::is_constant(Value value, float scalar) const {
 }
 
 uint32_t ProgramBuilder::add_floats(std::span<const float> floats) {
-  const auto known =
-      std::search(data_.floats.begin(), data_.floats.end(), floats.begin(), floats.end());
-  const auto first = static_cast<uint32_t>(known - data_.floats.begin());
-  if (known == data_.floats.end()) {
+  std::vector<uint32_t> key(floats.size());
+  std::transform(floats.begin(), floats.end(), key.begin(),
+                 [](float f) { return std::bit_cast<uint32_t>(f); });
+  const auto next = static_cast<uint32_t>(data_.floats.size());
+  const auto [entry, is_new] = known_floats_.try_emplace(std::move(key), next);
+  if (is_new) {
     data_.floats.insert(data_.floats.end(), floats.begin(), floats.end());
   }
-  return first;
+  return entry->second;
 }
 
 void ProgramBuilder::add_bump_filter(float filter) {

@@ -59,7 +59,6 @@ class ProgramBuilder {
   // The program that computes `roots`, with nothing else in it. operands[i] receives what reads
   // roots[i] when the program has run (kNoOperand where the root does not exist).
   Program link(std::span<const Value> roots, std::vector<Operand>& operands) const;
-  // Whether any instruction of `program` depends on the view.
   // Whether some instruction has the trait.
   static bool any(const Program& program, bool OpTraits::* trait);
 
@@ -80,6 +79,7 @@ class ProgramBuilder {
   std::vector<Definition> definitions_;
   std::vector<uint32_t> operand_ids_;
   std::unordered_map<std::vector<uint32_t>, uint32_t, KeyHash> known_;
+  std::unordered_map<std::vector<uint32_t>, uint32_t, KeyHash> known_floats_;  // by their bits
   float bump_filter_ = kInfinity;
 };
 

@@ -59,7 +59,10 @@ Kernel bidirectional_kernel(const Settings& settings, const Requirements& requir
   };
   const unsigned index =
       (passes.any_sampled() ? 1u : 0u) | (requirements.transparent_shadows ? 2u : 0u);
-  return {kKernels[index], true, make_bidirectional_plan, describe_limits(settings, requirements)};
+  return {.render_tile = kKernels[index],
+          .splats = true,
+          .make_plan = make_bidirectional_plan,
+          .notes = describe_limits(settings, requirements)};
 }
 
 }  // namespace vernier

@@ -35,12 +35,28 @@ struct Plan {
   virtual ~Plan() = default;
 };
 
+struct LightPass;
+
 struct RenderContext {
   const Scene& scene;
   const Settings& settings;
   const PixelFilter2d& filter;
-  const std::atomic<bool>& cancelled;  // by the user, or because the time is up
-  const Plan* plan = nullptr;          // the method's own
+  const std::atomic<bool>& cancelled;     // by the user, or because the time is up
+  const Plan* plan = nullptr;             // the method's own
+  const LightPass* light_pass = nullptr;  // of the batch, where the method has one
+};
+
+// What the light's sub-paths of one batch leave for all of its tiles: photons, or vertices, and
+// their index. Threads make it together, stage by stage: a stage begins when all jobs of the one
+// before are done, the batch's tiles when those of the last are. What comes out must depend on the
+// jobs' numbers alone, never on who did them or when.
+struct LightPass {
+  virtual ~LightPass() = default;
+  virtual int stages() const = 0;
+  // The number of jobs of a stage; asked for when the stages before are done.
+  virtual size_t jobs(int stage) const = 0;
+  // Does one of them; returns early once the render is cancelled. It may throw: the render ends.
+  virtual void run(int stage, size_t job, const RenderContext& context, RenderStats& stats) = 0;
 };
 
 // Renders `batch` for the pixels of `tile` (film coordinates) into `buffer`. Returns early, with
@@ -54,6 +70,10 @@ struct Kernel {
   // Makes the plan; null where the method needs none.
   std::unique_ptr<const Plan> (*make_plan)(const RenderContext& context, uint64_t seed,
                                            RenderStats& stats) = nullptr;
+  // Begins a batch's light pass; null where the method has none. `context` has the plan.
+  std::unique_ptr<LightPass> (*make_light_pass)(const RenderContext& context,
+                                                const Batch& batch) = nullptr;
+  bool single_samples = false;          // batches do not grow: each is one sample per pixel
   std::vector<std::string> notes = {};  // what the method leaves out in this scene, a sentence each
 };
 

@@ -20,13 +20,14 @@ constexpr uint64_t kLargestBatch = 64;
 // A frame of splats counts as a whole or not at all: when the time is up, little must be lost.
 constexpr uint32_t kSplattingShare = 16, kTileShare = 4;
 
-std::vector<Batch> plan_batches(const Settings& settings, bool splatting) {
-  const uint32_t share = splatting ? kSplattingShare : kTileShare;
+std::vector<Batch> plan_batches(const Settings& settings, const Kernel& kernel) {
+  const uint32_t share = kernel.splats ? kSplattingShare : kTileShare;
   const auto samples = static_cast<uint32_t>(settings.samples);
   const uint64_t seed = hash64(static_cast<uint64_t>(settings.seed));
   std::vector<Batch> plan;
   for (uint32_t first = 0; first < samples; first += plan.back().samples) {
-    const uint32_t size = std::min(batch_samples(first, share), samples - first);
+    const uint32_t size =
+        kernel.single_samples ? 1 : std::min(batch_samples(first, share), samples - first);
     plan.push_back({seed, first, size, static_cast<int>(std::bit_width(samples - 1u))});
   }
   return plan;
@@ -49,7 +50,8 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
             scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure,
             kernel_.splats),
       filter_(scene_->film.filter, scene_->film.filter_width),
-      plan_(plan_batches(settings, kernel_.splats)),
+      plan_(plan_batches(settings, kernel_)),
+      light_passes_(kernel_, plan_, film_.tiles().size()),
       thread_count_(resolve_threads(settings.threads)),
       give_way_(give_way),
       stats_(static_cast<size_t>(thread_count_)),
@@ -146,8 +148,17 @@ void Session::work(int thread) {
     while (next_job(number, tile_number)) {
       const Tile& tile = film_.tiles()[tile_number];
       const Batch& batch = plan_[number];
+      std::shared_ptr<const LightPass> light_pass;
+      if (kernel_.make_light_pass != nullptr) {
+        light_pass = light_passes_.get(context, number, stats);
+        if (light_pass == nullptr) {
+          break;
+        }
+      }
+      RenderContext tile_context = context;
+      tile_context.light_pass = light_pass.get();
       TileBuffer buffer = film_.buffer(tile_number, number);
-      kernel_.render_tile(context, batch, tile, buffer, film_.passes(), stats);
+      kernel_.render_tile(tile_context, batch, tile, buffer, film_.passes(), stats);
       if (stopped_) {
         break;  // pixels of an unfinished tile would have a batch of another size
       }

@@ -12,6 +12,7 @@
 
 #include "integrators/integrator.h"
 #include "render/film.h"
+#include "render/light_pass_queue.h"
 #include "render/settings.h"
 #include "scene/scene.h"
 
@@ -82,6 +83,7 @@ class Session {
   Film film_;
   PixelFilter2d filter_;
   std::vector<Batch> plan_;
+  LightPassQueue light_passes_;
   std::once_flag planned_;
   std::unique_ptr<const Plan> plan_of_method_;
   int thread_count_;

@@ -1,0 +1,51 @@
+// Light passes of a render, made by all of its threads together.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "integrators/integrator.h"
+
+namespace vernier {
+
+// A thread that wants to render a tile of a batch asks for the batch's light pass, and takes part
+// in making it until it is there. Threads that still render tiles of an earlier batch join later.
+class LightPassQueue {
+ public:
+  // `tiles`: how often the light pass of a batch is asked for; the last one to ask frees it.
+  LightPassQueue(const Kernel& kernel, const std::vector<Batch>& batches, size_t tiles)
+      : kernel_(kernel), batches_(batches), tiles_(tiles) {}
+
+  // The light pass of batch `number`, or null when the render has been stopped. What a job throws
+  // leaves from here, and the other threads get null: the caller stops the render then.
+  std::shared_ptr<const LightPass> get(const RenderContext& context, uint64_t number,
+                                       RenderStats& stats);
+
+ private:
+  struct Making {
+    std::shared_ptr<LightPass> pass;
+    int stage = 0;
+    size_t next = 0, done = 0, jobs = 0;  // of the stage
+    size_t asked = 0;
+    bool failed = false;
+
+    bool complete() const { return stage == pass->stages(); }
+    // To the first stage from `stage` on that has jobs.
+    void begin_stage();
+  };
+
+  std::shared_ptr<Making> find(const RenderContext& context, uint64_t number);
+
+  const Kernel& kernel_;
+  const std::vector<Batch>& batches_;
+  size_t tiles_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<uint64_t, std::shared_ptr<Making>> makings_;  // by batch
+};
+
+}  // namespace vernier

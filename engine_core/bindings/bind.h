@@ -20,5 +20,6 @@ void bind_nodes_probes(nanobind::module_& m);
 void bind_lights_probes(nanobind::module_& m);
 void bind_core_probes(nanobind::module_& m);
 void bind_paths_probes(nanobind::module_& m);
+void bind_spatial_probes(nanobind::module_& m);
 
 }  // namespace vernier

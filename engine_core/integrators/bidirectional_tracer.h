@@ -14,9 +14,7 @@
 #include "integrators/filtered_splats.h"
 #include "integrators/technique_set.h"
 #include "lights/light_sampler.h"
-#include "paths/light_end.h"
-#include "paths/random_walk.h"
-#include "paths/subpath.h"
+#include "paths/light_walk.h"
 #include "paths/visibility.h"
 
 namespace vernier {
@@ -61,7 +59,8 @@ class BidirectionalTracer {
     light_.clear();
     camera_path_.clear();
     if (techniques_.light_paths) {
-      trace_light();
+      LightClient client{*this};
+      walk_from_light(light_ends(), walks_, light_, stats_.non_finite, client);
     }
     start_distance_ = camera_ray.start_distance;
     Walk walk;
@@ -74,128 +73,17 @@ class BidirectionalTracer {
  private:
   // ---- From the light.
 
-  void trace_light() {
-    const SobolSampler& sampler = walks_.sampler;
-    EmissionSample e;
-    if (!lights_.sample_emission(plan_.guide, sampler.get_2d(dimension(LightDim::kChoice)).x,
-                                 sampler.get_2d(dimension(LightDim::kPosition)),
-                                 sampler.get_2d(dimension(LightDim::kDirection)), e)) {
-      return;
-    }
-    Walk walk;
-    walk.ray = {e.infinite ? e.p : offset_origin(e.p, e.p_error, e.n, e.direction), e.direction,
-                kInfinity};
-    walk.mode = Transport::kImportance;
-    walk.beta = e.radiance * (e.cosine / (e.pdf_position * e.pdf_direction * e.pdf_selection));
-    if (!is_finite(walk.beta)) {
-      ++stats_.non_finite;
-      return;
-    }
-    walk.start = max_component(walk.beta);
-    walk.flags = 0;
-    walk.mask = kVisibleDiffuse;  // evenly visible scenes: all kinds of scattered rays are alike
-    light_number_ = e.light;
-    observer_.emitted(e);
-    LightVisitor visitor{*this, e};
-    random_walk(walks_, walk, visitor);
-  }
-
-  struct LightVisitor {
+  struct LightClient {
     BidirectionalTracer& tracer;
-    const EmissionSample& emission;
-    MisDeparture departure{};
 
-    bool segment(const Walk&, const Ray&, bool) { return true; }
-    PathVertex& vertex() { return tracer.light_.append(); }
-
-    bool arrive(const Walk& walk, PathVertex& v) {
-      if (v.traits->path_dependent) {
-        tracer.light_.drop();
-        return false;  // what it does to light depends on the camera's part of the path
-      }
-      if (walk.depth.total > 0) {
-        v.mis = departure.arrive(tracer.heuristic_, static_cast<double>(walk.travelled),
-                                 static_cast<double>(abs_cosine(v.point, v.point.wo)), true);
-      } else if (walk.travelled > emission.lit_from) {
-        v.mis = first_from_light(tracer.light_ends(), emission, v, walk.travelled);
-      } else {
-        tracer.light_.drop();
-        return false;
-      }
-      if (v.bsdf.connectible()) {
-        tracer.splat_vertex(walk, v);
-      }
-      return true;
+    void emitted(const EmissionSample& e) {
+      tracer.light_number_ = e.light;
+      tracer.observer_.emitted(e);
     }
-
-    void pass(const PathVertex& v) {
-      if (!v.bsdf.connectible()) {
-        tracer.light_.drop();
-      }
-    }
-    void leave(const PathVertex& v, const BsdfSample& sample) {
-      tracer.light_.scatter();
-      departure = tracer.depart(v, sample);
-    }
+    void reached(const Walk& walk, const PathVertex& v) { tracer.splat_vertex(walk, v); }
   };
 
-  MisDeparture depart(const PathVertex& v, const BsdfSample& sample) const {
-    return {heuristic_,
-            v.mis,
-            static_cast<double>(sample.pdf),
-            static_cast<double>(sample.pdf_reverse),
-            static_cast<double>(abs_cosine(v.point, sample.wi)),
-            (sample.lobe & kLobeSingular) != 0,
-            v.other_reaches};
-  }
-
-  Receiver receiver_at(const PathVertex& v) const { return receiver_of(scene_, v); }
-
-  // Joins a light vertex to the camera: technique (s, 1).
-  void splat_vertex(const Walk& walk, const PathVertex& v) {
-    const int s = walk.depth.total + 2;
-    if (!techniques_.show(s, 1) || walk.depth.total >= walks_.limits.total ||
-        (scene_.instances[v.point.instance].visibility & kVisibleCamera) == 0) {
-      return;
-    }
-    const Vec2f u_lens = camera_.is_pinhole() ? Vec2f{} : walk.draw(BounceDim::kLightPoint);
-    const auto c = camera_.connect(v.point.p, u_lens, filter_.radius());
-    if (!c) {
-      return;
-    }
-    const BsdfEval eval = scatter_eval(scene_, v, c->wi);
-    Color flux = v.beta * eval.f * c->importance;
-    if (is_black(flux)) {
-      return;
-    }
-    const float cos_lens = -dot(c->wi, camera_.axis());
-    const double camera_pdf = static_cast<double>(camera_.pdf_across(cos_lens, c->distance)) *
-                              static_cast<double>(abs_cosine(v.point, c->wi)) / light_share_;
-    const double others = v.mis.sum(heuristic_, camera_pdf, static_cast<double>(eval.pdf_reverse));
-    flux *= static_cast<float>(techniques_.weight(others) / light_paths_);
-    // A splat of all paths is a pixel's value as often as there are pixels.
-    const float u = walk.draw(BounceDim::kLightChoice).x;
-    if (!plan_.worthwhile(flux, 1.0, u)) {
-      return;
-    }
-    bool blocked = false;
-    flux *= camera_transmittance<F.transparent>(
-        segments(), spawn_segment(c->p_lens - c->wi * c->clip_begin, v.point), &blocked);
-    if (blocked || is_black(flux)) {
-      return;
-    }
-    if (!is_finite(flux)) {
-      ++stats_.non_finite;
-      return;
-    }
-    flux = clamp(flux, walk.depth.total == 0);
-    observer_.found({s, 1, light_number_, &v, nullptr, c->wi, c->distance, others, flux});
-    if constexpr (F.passes) {
-      splats_.add(c->raster, flux, shares_toward_camera(scene_, v, c->wi), walk.depth.total == 0);
-    } else {
-      splats_.add(c->raster, flux);
-    }
-  }
+  void splat_vertex(const Walk& walk, const PathVertex& v);
 
   // ---- From the camera.
 
@@ -225,8 +113,8 @@ class BidirectionalTracer {
           tracer.passes_.first_bounce(v.bsdf, sample);
         }
       }
-      departure = tracer.depart(v, sample);
-      receiver = tracer.receiver_at(v);
+      departure = departure_of(tracer.heuristic_, v, sample);
+      receiver = receiver_of(tracer.scene_, v);
       crosses = true;
     }
     // Where the direction was sampled with a density, or null.
@@ -338,7 +226,8 @@ class BidirectionalTracer {
     }
     const Vec2f choice = walk.draw(BounceDim::kLightChoice);
     LightSample light;
-    if (!lights_.sample(receiver_at(v), choice.x, walk.draw(BounceDim::kLightPoint), light)) {
+    if (!lights_.sample(receiver_of(scene_, v), choice.x, walk.draw(BounceDim::kLightPoint),
+                        light)) {
       return;
     }
     const uint8_t mask = lobes_lit(light.visibility);
@@ -374,59 +263,7 @@ class BidirectionalTracer {
         {1, walk.depth.total + 2, light.light, nullptr, &v, light.wi, light.distance, others, c});
   }
 
-  // Joins the two sub-paths: technique (s, t) with both at least 2.
-  void connect(const Walk& walk, const PathVertex& v, const PathVertex& y, Vec2f u) {
-    const int s = y.point.depth.total + 2;
-    if (!techniques_.show(s, walk.depth.total + 2) ||
-        !walks_.limits.allow_joined(walk.depth, y.point.depth)) {
-      return;
-    }
-    const Vec3f d = y.point.p - v.point.p;
-    const float d2 = length_squared(d);
-    if (!(d2 > 0.0f)) {
-      return;
-    }
-    const float distance = std::sqrt(d2);
-    const Vec3f wi = d * (1.0f / distance);
-    // As if both surfaces were matte or, the glossier they are, brighter: what is then far from
-    // worthwhile is let go unseen.
-    Color c =
-        v.beta * y.beta *
-        (abs_cosine(v.point, wi) * abs_cosine(y.point, wi) * brightness(v) * brightness(y) / d2);
-    const float guess = max_component(c);
-    if (!plan_.worthwhile(c, 1.0, u.x)) {
-      return;
-    }
-    const float raised = max_component(c) / guess;
-    const BsdfEval at_v = scatter_eval(scene_, v, wi);
-    if (is_black(at_v.f)) {
-      return;
-    }
-    const BsdfEval at_y = scatter_eval(scene_, y, -wi);
-    c = v.beta * at_v.f * at_y.f * y.beta * (raised / d2);
-    if (is_black(c)) {
-      return;
-    }
-    const double inverse_d2 = 1.0 / static_cast<double>(d2);
-    const double from_light =
-        static_cast<double>(at_y.pdf) * static_cast<double>(abs_cosine(v.point, wi)) * inverse_d2;
-    const double from_camera =
-        static_cast<double>(at_v.pdf) * static_cast<double>(abs_cosine(y.point, wi)) * inverse_d2;
-    double others = y.mis.sum(heuristic_, from_camera, static_cast<double>(at_y.pdf_reverse));
-    if (v.other_reaches) {
-      others += v.mis.sum(heuristic_, from_light, static_cast<double>(at_v.pdf_reverse));
-    }
-    if (!plan_.worthwhile(c, techniques_.weight(others), u.y)) {
-      return;
-    }
-    bool blocked = false;
-    c *= transmittance<F.transparent>(segments(), spawn_segment(v.point, y.point), walk.depth,
-                                      &blocked);
-    if (!blocked) {
-      add_reaching(walk, kLobeAny, false,
-                   {s, walk.depth.total + 2, light_number_, &y, &v, wi, distance, others, c});
-    }
-  }
+  void connect(const Walk& walk, const PathVertex& v, const PathVertex& y, Vec2f u);
 
   // Light that reaches vertex z of the path from wi, through the lobes of `mask`.
   void add_reaching(const Walk& walk, uint8_t mask, bool direct, FoundPath&& path) {
@@ -486,3 +323,5 @@ class BidirectionalTracer {
 };
 
 }  // namespace vernier
+
+#include "integrators/bidirectional_joins.h"

@@ -142,4 +142,16 @@ inline std::optional<BsdfSample> scatter_sample(const Scene& scene, const PathVe
   return sample;
 }
 
+// The vertex as a sub-path leaves it along a sampled direction.
+inline MisDeparture departure_of(const MisHeuristic& heuristic, const PathVertex& v,
+                                 const BsdfSample& sample) {
+  return {heuristic,
+          v.mis,
+          static_cast<double>(sample.pdf),
+          static_cast<double>(sample.pdf_reverse),
+          static_cast<double>(abs_cosine(v.point, sample.wi)),
+          (sample.lobe & kLobeSingular) != 0,
+          v.other_reaches};
+}
+
 }  // namespace vernier

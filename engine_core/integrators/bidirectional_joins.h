@@ -1,0 +1,112 @@
+// How the tracer of bidirectional paths joins a light's sub-path: to the camera, and to the
+// vertices of the camera's. Part of bidirectional_tracer.h.
+#pragma once
+
+#include "integrators/bidirectional_tracer.h"
+
+namespace vernier {
+
+// Joins a light vertex to the camera: technique (s, 1).
+template <BidirectionalFeatures F, class Observer>
+void BidirectionalTracer<F, Observer>::splat_vertex(const Walk& walk, const PathVertex& v) {
+  const int s = walk.depth.total + 2;
+  if (!techniques_.show(s, 1) || walk.depth.total >= walks_.limits.total ||
+      (scene_.instances[v.point.instance].visibility & kVisibleCamera) == 0) {
+    return;
+  }
+  const Vec2f u_lens = camera_.is_pinhole() ? Vec2f{} : walk.draw(BounceDim::kLightPoint);
+  const auto c = camera_.connect(v.point.p, u_lens, filter_.radius());
+  if (!c) {
+    return;
+  }
+  const BsdfEval eval = scatter_eval(scene_, v, c->wi);
+  Color flux = v.beta * eval.f * c->importance;
+  if (is_black(flux)) {
+    return;
+  }
+  const float cos_lens = -dot(c->wi, camera_.axis());
+  const double camera_pdf = static_cast<double>(camera_.pdf_across(cos_lens, c->distance)) *
+                            static_cast<double>(abs_cosine(v.point, c->wi)) / light_share_;
+  const double others = v.mis.sum(heuristic_, camera_pdf, static_cast<double>(eval.pdf_reverse));
+  flux *= static_cast<float>(techniques_.weight(others) / light_paths_);
+  // A splat of all paths is a pixel's value as often as there are pixels.
+  const float u = walk.draw(BounceDim::kLightChoice).x;
+  if (!plan_.worthwhile(flux, 1.0, u)) {
+    return;
+  }
+  bool blocked = false;
+  flux *= camera_transmittance<F.transparent>(
+      segments(), spawn_segment(c->p_lens - c->wi * c->clip_begin, v.point), &blocked);
+  if (blocked || is_black(flux)) {
+    return;
+  }
+  if (!is_finite(flux)) {
+    ++stats_.non_finite;
+    return;
+  }
+  flux = clamp(flux, walk.depth.total == 0);
+  observer_.found({s, 1, light_number_, &v, nullptr, c->wi, c->distance, others, flux});
+  if constexpr (F.passes) {
+    splats_.add(c->raster, flux, shares_toward_camera(scene_, v, c->wi), walk.depth.total == 0);
+  } else {
+    splats_.add(c->raster, flux);
+  }
+}
+
+// Joins the two sub-paths: technique (s, t) with both at least 2.
+template <BidirectionalFeatures F, class Observer>
+void BidirectionalTracer<F, Observer>::connect(const Walk& walk, const PathVertex& v,
+                                               const PathVertex& y, Vec2f u) {
+  const int s = y.point.depth.total + 2;
+  if (!techniques_.show(s, walk.depth.total + 2) ||
+      !walks_.limits.allow_joined(walk.depth, y.point.depth)) {
+    return;
+  }
+  const Vec3f d = y.point.p - v.point.p;
+  const float d2 = length_squared(d);
+  if (!(d2 > 0.0f)) {
+    return;
+  }
+  const float distance = std::sqrt(d2);
+  const Vec3f wi = d * (1.0f / distance);
+  // As if both surfaces were matte or, the glossier they are, brighter: what is then far from
+  // worthwhile is let go unseen.
+  Color c =
+      v.beta * y.beta *
+      (abs_cosine(v.point, wi) * abs_cosine(y.point, wi) * brightness(v) * brightness(y) / d2);
+  const float guess = max_component(c);
+  if (!plan_.worthwhile(c, 1.0, u.x)) {
+    return;
+  }
+  const float raised = max_component(c) / guess;
+  const BsdfEval at_v = scatter_eval(scene_, v, wi);
+  if (is_black(at_v.f)) {
+    return;
+  }
+  const BsdfEval at_y = scatter_eval(scene_, y, -wi);
+  c = v.beta * at_v.f * at_y.f * y.beta * (raised / d2);
+  if (is_black(c)) {
+    return;
+  }
+  const double inverse_d2 = 1.0 / static_cast<double>(d2);
+  const double from_light =
+      static_cast<double>(at_y.pdf) * static_cast<double>(abs_cosine(v.point, wi)) * inverse_d2;
+  const double from_camera =
+      static_cast<double>(at_v.pdf) * static_cast<double>(abs_cosine(y.point, wi)) * inverse_d2;
+  double others = y.mis.sum(heuristic_, from_camera, static_cast<double>(at_y.pdf_reverse));
+  if (v.other_reaches) {
+    others += v.mis.sum(heuristic_, from_light, static_cast<double>(at_v.pdf_reverse));
+  }
+  if (!plan_.worthwhile(c, techniques_.weight(others), u.y)) {
+    return;
+  }
+  bool blocked = false;
+  c *= transmittance<F.transparent>(segments(), spawn_segment(v.point, y.point), walk.depth,
+                                    &blocked);
+  if (!blocked) {
+    add_reaching(walk, kLobeAny, false,
+                 {s, walk.depth.total + 2, light_number_, &y, &v, wi, distance, others, c});
+  }
+}
+
+}  // namespace vernier

@@ -1,0 +1,88 @@
+// The walk of a light's sub-path: what all methods that start paths at lights share.
+#pragma once
+
+#include <cstdint>
+
+#include "paths/light_end.h"
+#include "paths/random_walk.h"
+#include "paths/subpath.h"
+
+namespace vernier {
+
+// Visits the surfaces that a path from a light meets, and keeps its vertices and their weights.
+// What the path is for, the client says:
+//   void emitted(const EmissionSample&)            the path begins;
+//   void reached(const Walk&, const PathVertex&)   a vertex that may be joined to others.
+template <class Client>
+struct LightVisitor {
+  const LightEnds& ends;
+  const EmissionSample& emission;
+  Subpath& path;
+  Client& client;
+  MisDeparture departure{};
+
+  bool segment(const Walk&, const Ray&, bool) { return true; }
+  PathVertex& vertex() { return path.append(); }
+
+  bool arrive(const Walk& walk, PathVertex& v) {
+    if (v.traits->path_dependent) {
+      path.drop();
+      return false;  // what it does to light depends on the camera's part of the path
+    }
+    if (walk.depth.total > 0) {
+      v.mis = departure.arrive(ends.heuristic, static_cast<double>(walk.travelled),
+                               static_cast<double>(abs_cosine(v.point, v.point.wo)), true);
+    } else if (walk.travelled > emission.lit_from) {
+      v.mis = first_from_light(ends, emission, v, walk.travelled);
+    } else {
+      path.drop();
+      return false;
+    }
+    if (v.bsdf.connectible()) {
+      client.reached(walk, v);
+    }
+    return true;
+  }
+
+  void pass(const PathVertex& v) {
+    if (!v.bsdf.connectible()) {
+      path.drop();
+    }
+  }
+  void leave(const PathVertex& v, const BsdfSample& sample) {
+    path.scatter();
+    departure = departure_of(ends.heuristic, v, sample);
+  }
+};
+
+// Starts a path at a light and follows it. `path`, empty before, gets its vertices. `non_finite`
+// counts the paths that were dropped because what they carry is not finite.
+template <class Client>
+void walk_from_light(const LightEnds& ends, const WalkContext& context, Subpath& path,
+                     uint64_t& non_finite, Client& client) {
+  const SobolSampler& sampler = context.sampler;
+  EmissionSample e;
+  if (!ends.scene.lights->sample_emission(ends.guide,
+                                          sampler.get_2d(dimension(LightDim::kChoice)).x,
+                                          sampler.get_2d(dimension(LightDim::kPosition)),
+                                          sampler.get_2d(dimension(LightDim::kDirection)), e)) {
+    return;
+  }
+  Walk walk;
+  walk.ray = {e.infinite ? e.p : offset_origin(e.p, e.p_error, e.n, e.direction), e.direction,
+              kInfinity};
+  walk.mode = Transport::kImportance;
+  walk.beta = e.radiance * (e.cosine / (e.pdf_position * e.pdf_direction * e.pdf_selection));
+  if (!is_finite(walk.beta)) {
+    ++non_finite;
+    return;
+  }
+  walk.start = max_component(walk.beta);
+  walk.flags = 0;
+  walk.mask = kVisibleDiffuse;  // evenly visible scenes: all kinds of scattered rays are alike
+  client.emitted(e);
+  LightVisitor<Client> visitor{ends, e, path, client};
+  random_walk(context, walk, visitor);
+}
+
+}  // namespace vernier

@@ -8,6 +8,7 @@
 #include "bindings/bind.h"
 #include "bindings/table.h"
 #include "spatial/hash_grid.h"
+#include "spatial/kd_tree.h"
 
 namespace nb = nanobind;
 
@@ -22,11 +23,12 @@ std::span<const Vec3f> points_of(const Rows3& rows) {
 
 using Indices = nb::ndarray<nb::numpy, uint32_t>;
 
-Indices release(std::vector<uint32_t>&& values) {
+Indices release(std::vector<uint32_t>&& values, size_t columns = 0) {
   auto* kept = new std::vector<uint32_t>(std::move(values));
   const nb::capsule owner(kept,
                           [](void* p) noexcept { delete static_cast<std::vector<uint32_t>*>(p); });
-  return Indices(kept->data(), {kept->size()}, owner);
+  return columns == 0 ? Indices(kept->data(), {kept->size()}, owner)
+                      : Indices(kept->data(), {kept->size() / columns, columns}, owner);
 }
 
 // How many points each query visits, and which, query by query in the order of the visits.
@@ -38,6 +40,36 @@ std::pair<Indices, Indices> visited_by_grid(const HashGrid& grid, const Rows3& q
     counts.push_back(static_cast<uint32_t>(found.size() - before));
   }
   return {release(std::move(counts)), release(std::move(found))};
+}
+
+// The same for all points of a tree within one radius.
+std::pair<Indices, Indices> visited_by_tree(const KdTree& tree, const Rows3& queries,
+                                            float radius) {
+  std::vector<uint32_t> counts, found;
+  for (const Vec3f& q : points_of(queries)) {
+    const size_t before = found.size();
+    tree.for_each(q, square(radius),
+                  [&](uint32_t place, float) { found.push_back(tree.index(place)); });
+    counts.push_back(static_cast<uint32_t>(found.size() - before));
+  }
+  return {release(std::move(counts)), release(std::move(found))};
+}
+
+// Indices and distances of the k nearest, a row per query; infinite where there are no more.
+nb::tuple nearest_in_tree(const KdTree& tree, const Rows3& queries, size_t k, float radius) {
+  const std::span<const Vec3f> points = points_of(queries);
+  const Table distances(points.size(), k);
+  std::vector<uint32_t> indices(points.size() * k);
+  std::vector<KdNeighbour> found(k);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const size_t count = tree.nearest(points[i], k, square(radius), found);
+    for (size_t j = 0; j < k; ++j) {
+      const bool there = j < count;
+      distances.row(i)[j] = there ? std::sqrt(found[j].distance_squared) : kInfinity;
+      indices[i * k + j] = there ? tree.index(found[j].place) : 0;
+    }
+  }
+  return nb::make_tuple(release(std::move(indices), k), distances.release());
 }
 
 }  // namespace
@@ -52,6 +84,16 @@ void bind_spatial_probes(nb::module_& m) {
           nb::arg("points"), nb::arg("radius"), nb::arg("threads") = 0)
       .def("visit", &visited_by_grid)
       .def_prop_ro("memory", &HashGrid::memory);
+  nb::class_<KdTree>(m, "KdTree")
+      .def(
+          "__init__",
+          [](KdTree* tree, const Rows3& points, int threads) {
+            new (tree) KdTree(points_of(points), threads);
+          },
+          nb::arg("points"), nb::arg("threads") = 0)
+      .def("within", &visited_by_tree)
+      .def("nearest", &nearest_in_tree)
+      .def_prop_ro("memory", &KdTree::memory);
 }
 
 }  // namespace vernier

@@ -97,12 +97,36 @@ std::vector<std::array<double, 2>> emission_ray_densities(
   return rows;
 }
 
+// The weights of all techniques that make a path, in the plain form and in the recursive one. Rows
+// of surfaces: p, ng, pdf_to_light, pdf_to_camera, singular, light_reaches, camera_sees,
+// light_crosses, merge_area. Ends: the camera's direction and pdf_across; the light's direction,
+// pdf_sampled, pdf_emitted, hittable, light_crosses.
+std::array<std::vector<double>, 2> mis_weights(const std::vector<std::array<double, 13>>& surfaces,
+                                               const std::array<double, 11>& ends, bool power,
+                                               bool joins, bool merges) {
+  const auto vec = [](const double* x) {
+    return Vec3f{static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
+  };
+  Path path;
+  path.camera = {vec(&ends[0]), ends[3]};
+  path.light = {vec(&ends[4]), ends[7], ends[8], ends[9] != 0.0, ends[10] != 0.0};
+  path.joins = joins;
+  path.merges = merges;
+  for (const std::array<double, 13>& row : surfaces) {
+    path.surfaces.push_back({vec(&row[0]), vec(&row[3]), row[6], row[7], row[8] != 0.0,
+                             row[9] != 0.0, row[10] != 0.0, row[11] != 0.0, row[12]});
+  }
+  return {technique_weights(technique_log_pdfs(path), power),
+          recursive_weights(path, MisHeuristic(power, joins))};
+}
+
 }  // namespace
 
 void bind_paths_probes(nb::module_& m) {
   m.def("verify_paths", &verify_paths, nb::arg("scene"), nb::arg("settings"), nb::arg("samples"),
         nb::arg("tolerance"), nb::arg("pilot"));
   m.def("emission_ray_densities", &emission_ray_densities);
+  m.def("mis_weights", &mis_weights);
 }
 
 }  // namespace vernier

@@ -14,6 +14,12 @@
 // light, and points. With p_b the density of the BSDF's sample there, p_l that of the light's and
 // e the density over (area of v_{n-2}, solid angle at it) of a ray that starts at the light:
 //   (0, n) : (1, n-1) : (2, n-2)  =  p_b P_C : p_l P_C : e.
+//
+// Merging. A vertex v_i may also come from both sides at once: the camera's walk makes it, and one
+// of N walks from lights ends within r of it. That technique has the density of the join between
+// v_i and v_{i+1} times P_L of v_i and the area N pi r^2, the number of walks that would end there
+// for each unit of density (Georgiev et al. 2012, equations 7 and 9; Hachisuka et al. 2012,
+// equation 8). In the sums it stands beside the join of v_{i-1} and v_i, and nothing else changes.
 #pragma once
 
 #include <algorithm>
@@ -37,32 +43,52 @@ inline constexpr double kLargestRatio = 1e300;
 // The square of the least distance that float32 holds.
 inline constexpr double kLeastSquare = 1e-76;
 
-// The heuristic's exponent is 1 (balance) or 2 (power).
+// The heuristic's exponent is 1 (balance) or 2 (power). Without `joins`, sub-paths are merged only:
+// no vertex is joined to another, to a light or to the camera.
 class MisHeuristic {
  public:
-  explicit MisHeuristic(bool power) : power_(power) {}
+  explicit MisHeuristic(bool power, bool joins = true) : power_(power), joins_(joins) {}
+  // Whether there are techniques that join vertices.
+  bool joins() const { return joins_; }
   // A ratio of densities as it enters the sums.
   double operator()(double ratio) const {
     return std::min(power_ ? ratio * ratio : ratio, kLargestRatio);
   }
 
  private:
-  bool power_;
+  bool power_, joins_;
 };
 
 inline double bounded_product(double a, double b) { return std::min(a * b, kLargestRatio); }
+
+// The same as MisState::neighbour and chain, relative to the technique that merges at the vertex.
+struct MergeRatios {
+  double neighbour, chain;
+
+  double sum(const MisHeuristic& h, double reverse) const {
+    return neighbour + bounded_product(h(reverse), chain);
+  }
+};
 
 // What a vertex v_i knows of the techniques that have fewer vertices on its own side, but not yet
 // of the directions in which its own path goes on. "Own" and "other" are the two sides.
 struct MisState {
   double pdf = 1;        // P_own: area density of the vertex (after the light: e)
   double neighbour = 0;  // the technique that joins v_{i-1} and v_i, relative to what is next to it
+  double merge = 0;      // likewise the one that merges at v_i
   double chain = 0;      // those beyond, but for the solid-angle density of v_i to v_{i-1}
 
   // The sum over all techniques with fewer vertices on this side, where the other side makes this
   // vertex with area density `other`, and from here the previous one with `reverse` (solid angle).
   double sum(const MisHeuristic& h, double other, double reverse) const {
-    return bounded_product(h(other / pdf), neighbour + bounded_product(h(reverse), chain));
+    return bounded_product(h(other / pdf), neighbour + merge + bounded_product(h(reverse), chain));
+  }
+
+  // The vertex may be merged with those of so many paths from lights, each within an area (m^2).
+  void merges(const MisHeuristic& h, double paths_times_area) { merge = h(paths_times_area * pdf); }
+  // To be asked only where it does.
+  MergeRatios beside_merge() const {
+    return {std::min(neighbour / merge, kLargestRatio), std::min(chain / merge, kLargestRatio)};
   }
 };
 
@@ -79,7 +105,7 @@ struct MisDeparture {
                double cosine_, bool singular_, bool other_reaches)
       : pdf(pdf_), cosine(cosine_), singular(singular_) {
     if (other_reaches) {
-      const double joined = singular ? 0.0 : at.neighbour;
+      const double joined = singular ? 0.0 : at.neighbour + at.merge;
       sum = bounded_product(h(1.0 / at.pdf), joined + bounded_product(h(reverse), at.chain));
     }
   }
@@ -91,7 +117,7 @@ struct MisDeparture {
     const double inverse_d2 = 1.0 / std::max(distance * distance, kLeastSquare);
     MisState next;
     next.pdf = pdf * cosine_there * inverse_d2;
-    next.neighbour = singular || !other_crosses ? 0.0 : 1.0;
+    next.neighbour = h.joins() && !singular && other_crosses ? 1.0 : 0.0;
     next.chain = other_crosses ? bounded_product(h(cosine * inverse_d2), sum) : 0.0;
     return next;
   }

@@ -56,12 +56,21 @@ struct Possible {
     if (s == 0) {
       return path.light.hittable;
     }
+    if (!path.joins) {
+      return false;
+    }
     if (s == 1) {
       return !path.surfaces[count - 1].singular;
     }
     const PathSurface& y = path.surfaces[t - 1];
     return light_makes[t - 1] && !y.singular && y.light_crosses &&
            (t > 1 ? !path.surfaces[t - 2].singular : y.camera_sees);
+  }
+
+  // Whether sub-paths may be merged at a surface.
+  bool merge(size_t surface) const {
+    const PathSurface& v = path.surfaces[surface];
+    return path.merges && v.merge_area > 0.0 && !v.singular && light_makes[surface];
   }
 };
 
@@ -113,6 +122,11 @@ std::vector<double> technique_log_pdfs(const Path& path) {
       result[s] += log_of(path.light.pdf_sampled);
     }
   }
+  for (size_t i = 0; path.merges && i < count; ++i) {
+    result.push_back(possible.merge(i)
+                         ? camera[i + 1] + light[i] + std::log(path.surfaces[i].merge_area)
+                         : kNever);
+  }
   return result;
 }
 
@@ -136,11 +150,12 @@ std::vector<double> technique_weights(const std::vector<double>& log_pdfs, bool 
 std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
   const std::vector<PathSurface>& v = path.surfaces;
   const size_t n = path.length(), count = v.size();
-  std::vector<double> weights(n);
+  std::vector<double> weights(n + (path.merges ? count : 0));
   if (count == 0) {
     weights[0] = 1.0;
     return weights;
   }
+  const Possible possible(path);
   const LightEnd& end = path.light;
   const PathSurface& last = v[count - 1];
   const double last_cosine = cosine(last, end.direction);
@@ -149,8 +164,11 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
   std::vector<MisState> camera(count), light(count);
   MisDeparture to_light;  // from the last surface
   camera[0].pdf = path.camera.pdf_across * cosine(v[0], path.camera.direction);
-  camera[0].neighbour = v[0].light_crosses && v[0].camera_sees ? 1.0 : 0.0;
+  camera[0].neighbour = path.joins && v[0].light_crosses && v[0].camera_sees ? 1.0 : 0.0;
   for (size_t i = 0; i < count; ++i) {
+    if (path.merges && v[i].light_reaches) {
+      camera[i].merges(h, v[i].merge_area);
+    }
     const Edge edge(v[i].p, i + 1 < count ? v[i + 1].p : v[i].p);
     const double leaves = i + 1 < count ? cosine(v[i], edge.direction) : last_cosine;
     const MisDeparture d(h, camera[i], v[i].pdf_to_light, v[i].pdf_to_camera, leaves, v[i].singular,
@@ -163,17 +181,22 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
     }
   }
   light[count - 1].pdf = emitted;
-  light[count - 1].neighbour = h(end.pdf_sampled);
+  light[count - 1].neighbour = path.joins ? h(end.pdf_sampled) : 0.0;
   light[count - 1].chain = end.hittable ? 1.0 : 0.0;
+  if (path.merges) {
+    light[count - 1].merges(h, last.merge_area);
+  }
   for (size_t i = count - 1; i > 0; --i) {
     const Edge edge(v[i].p, v[i - 1].p);
     const MisDeparture d(h, light[i], v[i].pdf_to_camera, v[i].pdf_to_light,
                          cosine(v[i], edge.direction), v[i].singular, true);
     light[i - 1] = d.arrive(h, edge.distance, cosine(v[i - 1], edge.direction), true);
+    if (path.merges) {
+      light[i - 1].merges(h, v[i - 1].merge_area);
+    }
   }
 
   const SurfacePdfs pdfs = surface_pdfs(path);
-  const Possible possible(path);
   // The techniques with fewer vertices from the camera, where the light makes surface i too.
   const auto before = [&](size_t i, double by_light) {
     return v[i].light_reaches ? camera[i].sum(h, by_light, v[i].pdf_to_camera) : 0.0;
@@ -185,7 +208,7 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
     const size_t t = n - s;
     double others = 0.0;
     if (s == 0) {
-      const double sampled = last.singular ? 0.0 : end.pdf_sampled;
+      const double sampled = last.singular || !path.joins ? 0.0 : end.pdf_sampled;
       others = h(sampled / to_light.pdf) + bounded_product(h(emitted / to_light.pdf), to_light.sum);
     } else if (s == 1) {
       others = (end.hittable ? h(last.pdf_to_light / end.pdf_sampled) : 0.0) +
@@ -195,6 +218,13 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
                (t > 1 ? before(t - 2, std::exp(pdfs.log_light[t - 2])) : 0.0);
     }
     weights[s] = 1.0 / (1.0 + others);
+  }
+  for (size_t i = 0; path.merges && i < count; ++i) {
+    if (possible.merge(i)) {
+      const double others = camera[i].beside_merge().sum(h, v[i].pdf_to_camera) +
+                            light[i].beside_merge().sum(h, v[i].pdf_to_light);
+      weights[n + i] = 1.0 / (1.0 + others);
+    }
   }
   return weights;
 }

@@ -30,6 +30,8 @@ struct PathSurface {
   bool light_reaches = true;  // walks from lights may contain the vertex
   bool camera_sees = true;    // the camera's own rays may end here
   bool light_crosses = true;  // joins, and walks from lights, may contain the edge before it
+  // Paths from lights times the area within which each is gathered, m^2; 0: nothing merges here.
+  double merge_area = 0;
 };
 
 // Where the path ends on the camera.
@@ -53,6 +55,8 @@ struct Path {
   CameraEnd camera;
   std::vector<PathSurface> surfaces;
   LightEnd light;
+  bool joins = true;    // there are techniques that join two vertices
+  bool merges = false;  // and such as merge two, where merge_area says so
 
   // Its number of vertices: n = s + t.
   size_t length() const { return surfaces.size() + 2; }
@@ -67,7 +71,8 @@ SurfacePdfs surface_pdfs(const Path& path);
 
 // The logarithm of the density with which technique (s, n - s) makes the path, for s from 0 to
 // n - 1; minus infinity where it cannot. For n = 2 there is (0, 2) alone: lights that the camera
-// sees are left to its rays.
+// sees are left to its rays. Where the path merges, the densities of the techniques follow that
+// merge at each surface in turn, from the camera on.
 std::vector<double> technique_log_pdfs(const Path& path);
 
 // The weights of the techniques by the balance or the power heuristic: they sum to 1, or are all 0

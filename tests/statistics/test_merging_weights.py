@@ -9,8 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from engine_core import probe
 from statistics_tools import Array
+
+from engine_core import probe
 
 PATHS = 400
 #: Where the columns of a surface are that say what is possible there.

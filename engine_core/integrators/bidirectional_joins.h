@@ -7,8 +7,9 @@
 namespace vernier {
 
 // Joins a light vertex to the camera: technique (s, 1).
-template <BidirectionalFeatures F, class Observer>
-void BidirectionalTracer<F, Observer>::splat_vertex(const Walk& walk, const PathVertex& v) {
+template <BidirectionalFeatures F, class Observer, class Sampler>
+void BidirectionalTracer<F, Observer, Sampler>::splat_vertex(const Walk& walk,
+                                                             const PathVertex& v) {
   const int s = walk.depth.total + 2;
   if (!techniques_.show(s, 1) || walk.depth.total >= walks_.limits.total ||
       (scene_.instances[v.point.instance].visibility & kVisibleCamera) == 0) {
@@ -45,7 +46,7 @@ void BidirectionalTracer<F, Observer>::splat_vertex(const Walk& walk, const Path
     return;
   }
   flux = clamp(flux, walk.depth.total == 0);
-  observer_.found({s, 1, light_number_, &v, nullptr, c->wi, c->distance, others, flux});
+  observer_.found({s, 1, light_number_, &v, nullptr, c->wi, c->distance, others, flux, c->raster});
   if constexpr (F.passes) {
     splats_.add(c->raster, flux, shares_toward_camera(scene_, v, c->wi), walk.depth.total == 0);
   } else {
@@ -54,9 +55,9 @@ void BidirectionalTracer<F, Observer>::splat_vertex(const Walk& walk, const Path
 }
 
 // Joins the two sub-paths: technique (s, t) with both at least 2.
-template <BidirectionalFeatures F, class Observer>
-void BidirectionalTracer<F, Observer>::connect(const Walk& walk, const PathVertex& v,
-                                               const PathVertex& y, Vec2f u) {
+template <BidirectionalFeatures F, class Observer, class Sampler>
+void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const PathVertex& v,
+                                                        const PathVertex& y, Vec2f u) {
   const int s = y.point.depth.total + 2;
   if (!techniques_.show(s, walk.depth.total + 2) ||
       !walks_.limits.allow_joined(walk.depth, y.point.depth)) {

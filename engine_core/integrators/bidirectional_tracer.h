@@ -19,21 +19,26 @@
 
 namespace vernier {
 
-template <BidirectionalFeatures F, class Observer = NoObserver>
+template <BidirectionalFeatures F, class Observer = NoObserver, class Sampler = SobolSampler>
 class BidirectionalTracer {
  public:
   using Passes = std::conditional_t<F.passes, PassSample, NoPassSample>;
 
-  BidirectionalTracer(const RenderContext& context, const SobolSampler& sampler, RenderStats& stats,
+  BidirectionalTracer(const RenderContext& context, const Sampler& sampler, RenderStats& stats,
                       SplatFrame* splats, Passes& passes, BidirectionalMemory& memory,
                       Observer& observer)
+      : BidirectionalTracer(context, sampler, stats, splats, passes, memory, observer,
+                            TechniqueSet(context.settings, context.scene.requirements)) {}
+  BidirectionalTracer(const RenderContext& context, const Sampler& sampler, RenderStats& stats,
+                      SplatFrame* splats, Passes& passes, BidirectionalMemory& memory,
+                      Observer& observer, const TechniqueSet& techniques)
       : scene_(context.scene),
         lights_(*context.scene.lights),
         camera_(*context.scene.camera),
         settings_(context.settings),
         plan_(static_cast<const BidirectionalPlan&>(*context.plan)),
         filter_(context.filter),
-        techniques_(context.settings, context.scene.requirements),
+        techniques_(techniques),
         heuristic_(static_cast<MisExponent>(context.settings.mis_heuristic) == MisExponent::kPower),
         walks_{context.scene,
                sampler,
@@ -58,13 +63,18 @@ class BidirectionalTracer {
   CameraSample run(const CameraRay& camera_ray) {
     light_.clear();
     camera_path_.clear();
-    if (techniques_.light_paths) {
+    if (techniques_.light_paths && techniques_.most_light_bounces >= 0) {
       LightClient client{*this};
-      walk_from_light(light_ends(), walks_, light_, stats_.non_finite, client);
+      walk_from_light(light_ends(), walks_, light_, stats_.non_finite, client,
+                      techniques_.most_light_bounces);
+    }
+    if (techniques_.most_camera_bounces < 0) {
+      return {radiance_, film_.alpha()};
     }
     start_distance_ = camera_ray.start_distance;
     Walk walk;
     walk.ray = camera_ray.ray;
+    walk.most_bounces = techniques_.most_camera_bounces;
     CameraVisitor visitor{*this};
     random_walk(walks_, walk, visitor);
     return {radiance_, film_.alpha()};
@@ -307,7 +317,7 @@ class BidirectionalTracer {
   const PixelFilter2d& filter_;
   const TechniqueSet techniques_;
   const MisHeuristic heuristic_;
-  const WalkContext walks_;
+  const WalkContext<Sampler> walks_;
   RenderStats& stats_;
   const FilteredSplats splats_;
   Subpath& light_;

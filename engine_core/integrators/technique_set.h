@@ -1,6 +1,8 @@
 // Which techniques a bidirectional method uses, and what one of them has found.
 #pragma once
 
+#include <limits>
+
 #include "lights/light_sample.h"
 #include "paths/bounce_limits.h"
 #include "paths/subpath.h"
@@ -21,6 +23,10 @@ struct TechniqueSet {
   bool light_paths;   // any that start paths at lights
   bool weighted;
   int only_s, only_t;  // -1: all
+  int least = 0;       // only paths of at least this many vertices
+  // How often the walks may bounce; below 0: there is none.
+  int most_light_bounces = std::numeric_limits<int>::max();
+  int most_camera_bounces = std::numeric_limits<int>::max();
 
   TechniqueSet(const Settings& settings, const Requirements& requirements)
       : camera_paths(static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kLight),
@@ -31,7 +37,7 @@ struct TechniqueSet {
         only_t(settings.only_camera_vertices) {}
 
   bool show(int s, int t) const {
-    return (only_s < 0 || only_s == s) && (only_t < 0 || only_t == t);
+    return (only_s < 0 || only_s == s) && (only_t < 0 || only_t == t) && s + t >= least;
   }
   double weight(double others) const { return weighted ? 1.0 / (1.0 + others) : 1.0; }
 };
@@ -51,6 +57,7 @@ struct FoundPath {
   float distance;       // s < 2: to the light, from z; infinite beyond the scene
   double others;        // densities of the other techniques, to the heuristic's power, over this
   Color contribution;   // weighted
+  Vec2f raster = {};    // t = 1: where it was splatted, pixels of the full frame
 };
 
 // An observer that looks away.

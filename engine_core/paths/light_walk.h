@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "paths/light_end.h"
 #include "paths/random_walk.h"
@@ -56,11 +57,13 @@ struct LightVisitor {
 };
 
 // Starts a path at a light and follows it. `path`, empty before, gets its vertices. `non_finite`
-// counts the paths that were dropped because what they carry is not finite.
-template <class Client>
-void walk_from_light(const LightEnds& ends, const WalkContext& context, Subpath& path,
-                     uint64_t& non_finite, Client& client) {
-  const SobolSampler& sampler = context.sampler;
+// counts the paths that were dropped because what they carry is not finite. It bounces no more than
+// `most_bounces` times.
+template <class Sampler, class Client>
+void walk_from_light(const LightEnds& ends, const WalkContext<Sampler>& context, Subpath& path,
+                     uint64_t& non_finite, Client& client,
+                     int most_bounces = std::numeric_limits<int>::max()) {
+  const Sampler& sampler = context.sampler;
   EmissionSample e;
   if (!ends.scene.lights->sample_emission(ends.guide,
                                           sampler.get_2d(dimension(LightDim::kChoice)).x,
@@ -80,6 +83,7 @@ void walk_from_light(const LightEnds& ends, const WalkContext& context, Subpath&
   walk.start = max_component(walk.beta);
   walk.flags = 0;
   walk.mask = kVisibleDiffuse;  // evenly visible scenes: all kinds of scattered rays are alike
+  walk.most_bounces = most_bounces;
   client.emitted(e);
   LightVisitor<Client> visitor{ends, e, path, client};
   random_walk(context, walk, visitor);

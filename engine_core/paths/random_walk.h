@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 
 #include "bsdf/bsdf.h"
 #include "paths/bounce_limits.h"
@@ -28,6 +29,7 @@ struct Walk {
   bool spent = false;      // from the camera: the limits leave nothing but to meet a light
   float travelled = 0.0f;  // from the last vertex that scattered, through transparent surfaces
   uint32_t index = 0;      // surfaces met, transparent ones included
+  int most_bounces = std::numeric_limits<int>::max();  // of this walk; the limits hold besides
 
   // The numbers that belong to the current vertex, drawn together: all but kJoin.
   static constexpr uint32_t kDraws = static_cast<uint32_t>(BounceDim::kJoin);
@@ -35,10 +37,11 @@ struct Walk {
   Vec2f draw(BounceDim d) const { return draws[static_cast<size_t>(d)]; }
 };
 
-// What walks share.
+// What walks share. A Sampler has get_2d() and get_2d_run() as SobolSampler has them.
+template <class Sampler = SobolSampler>
 struct WalkContext {
   const Scene& scene;
-  const SobolSampler& sampler;
+  const Sampler& sampler;
   const std::atomic<bool>& cancelled;
   BounceLimits limits;
   Roulette roulette;
@@ -52,8 +55,8 @@ struct WalkContext {
 //   bool arrive(const Walk&, PathVertex&)  a surface, its closures evaluated; false ends the walk;
 //   void pass(const PathVertex&)  the walk goes straight on through the surface: no scattering;
 //   void leave(const PathVertex&, const BsdfSample&)  the walk scatters and goes on.
-template <class Visitor>
-void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
+template <class Sampler, class Visitor>
+void random_walk(const WalkContext<Sampler>& context, Walk& walk, Visitor& visitor) {
   const Scene& scene = context.scene;
   const bool from_camera = walk.mode == Transport::kRadiance;
   for (;; ++walk.index) {
@@ -78,7 +81,7 @@ void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
     v.beta = walk.beta;
     v.mode = walk.mode;
     v.traits = &scene.materials[v.point.material]->traits();
-    walk.draws = context.sampler.get_2d_run<Walk::kDraws>(
+    walk.draws = context.sampler.template get_2d_run<Walk::kDraws>(
         from_camera ? dimension(walk.index, BounceDim{})
                     : light_dimension(walk.index, BounceDim{}));
     if (!visitor.arrive(walk, v)) {
@@ -94,7 +97,7 @@ void random_walk(const WalkContext& context, Walk& walk, Visitor& visitor) {
       return;
     }
     scatter(sample->lobe, walk.depth, walk.flags, walk.mask);
-    if (!context.limits.allow(walk.depth)) {
+    if (!context.limits.allow(walk.depth) || walk.depth.total > walk.most_bounces) {
       return;
     }
     walk.spent = from_camera && context.limits.spent(walk.depth);

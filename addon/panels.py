@@ -43,14 +43,16 @@ _TITLES = {
     "sampling": "Sampling",
     "light_paths": "Light Paths",
     "bidirectional": "Bidirectional",
+    "merging": "Merging",
     "film": "Film",
     "performance": "Performance",
 }
-# Settings, or whole groups, that count only with a certain value of another setting.
-_ONLY_WITH = {
-    "whitted_depth": ("integrator", "WHITTED"),
-    "bidirectional": ("integrator", "BDPT"),
-    "light_fraction": ("direct_light", "MIXTURE"),
+# Settings, or whole groups, that count only with certain values of another setting.
+_ONLY_WITH: dict[str, tuple[str, tuple[str, ...]]] = {
+    "whitted_depth": ("integrator", ("WHITTED",)),
+    "bidirectional": ("integrator", ("BDPT", "VCM")),
+    "merging": ("integrator", ("VCM",)),
+    "light_fraction": ("direct_light", ("MIXTURE",)),
 }
 _PASSES = (
     ("Data", ("z", "position", "normal", "uv")),
@@ -73,8 +75,8 @@ class _Ours:
 
 def _counts(context: Context, name: str) -> bool:
     """Whether a setting or group changes anything, as the others are."""
-    other, value = _ONLY_WITH.get(name, ("", ""))
-    return not other or getattr(context.scene.vernier, other, None) == value
+    other, values = _ONLY_WITH.get(name, ("", ()))
+    return not other or getattr(context.scene.vernier, other, None) in values
 
 
 def _draw_group(group: str) -> Any:

@@ -165,6 +165,29 @@ Color Bsdf::albedo(uint8_t mask) const {
   return sum;
 }
 
+namespace {
+
+// Not of microfacets: without a roughness that could make it near specular.
+bool is_wide(const Lobe& lobe) {
+  return !is_microfacet(lobe.kind) && lobe.kind != LobeKind::kAshikhminShirley;
+}
+
+}  // namespace
+
+float Bsdf::widest_alpha() const {
+  if (lambert_) {
+    return 1.0f;
+  }
+  float widest = 0.0f;
+  for (int i = 0; i < count_; ++i) {
+    const Lobe& lobe = lobes_[i];
+    if (!lobe.singular) {
+      widest = std::max(widest, is_wide(lobe) ? 1.0f : std::min(lobe.alpha_x, lobe.alpha_y));
+    }
+  }
+  return widest;
+}
+
 float Bsdf::mean_squared_roughness() const {
   if (lambert_) {
     return 1.0f;
@@ -172,8 +195,8 @@ float Bsdf::mean_squared_roughness() const {
   float sum = 0.0f, total = transparent_select_;
   for (int i = 0; i < count_; ++i) {
     const Lobe& lobe = lobes_[i];
-    const bool rough = !is_microfacet(lobe.kind) && lobe.kind != LobeKind::kAshikhminShirley;
-    sum += near_[i].select * (lobe.singular ? 0.0f : (rough ? 1.0f : lobe.alpha_x * lobe.alpha_y));
+    sum += near_[i].select *
+           (lobe.singular ? 0.0f : (is_wide(lobe) ? 1.0f : lobe.alpha_x * lobe.alpha_y));
     total += near_[i].select;
   }
   return total > 0.0f ? sum / total : 0.0f;

@@ -145,6 +145,9 @@ class Bsdf {
   // Mean squared roughness (alpha_x alpha_y; singular 0, diffuse 1) over sampling weights, as
   // Cycles' guiding and filters use: below 0.01 or so the surface is near specular.
   float mean_squared_roughness() const;
+  // Of the smooth lobes the widest, by its narrower side: alpha of microfacets, 1 of all others; 0
+  // where there is none. (Not the lobes' shares, which depend on the direction.)
+  float widest_alpha() const;
   // The lobes' normals averaged over their sampling weights, unit; ns where there are none.
   Vec3f mean_normal() const;
   // How many lobes were dropped because there was no room.

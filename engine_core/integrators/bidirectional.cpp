@@ -28,10 +28,17 @@ std::vector<std::string> describe_limits(const Settings& settings,
   std::vector<std::string> notes;
   if (techniques.camera_paths) {
     if (!techniques.light_paths) {
-      notes.push_back("Bidirectional Path Tracing starts no paths at lights here: " +
+      notes.push_back(std::string(TechniqueSet::vcm(settings) ? "Vertex Connection and Merging"
+                                                              : "Bidirectional Path Tracing") +
+                      " starts no paths at lights here: " +
                       (requirements.uneven_visibility
                            ? uneven
                            : "bounces limited by kind are counted from the camera"));
+    }
+    if (techniques.merges) {
+      notes.push_back(
+          "Vertex Connection and Merging blurs light within its radius, which shrinks with the "
+          "samples; the error bar leaves that out");
     }
     return notes;
   }
@@ -50,18 +57,25 @@ std::vector<std::string> describe_limits(const Settings& settings,
 
 Kernel bidirectional_kernel(const Settings& settings, const Requirements& requirements,
                             PassSet passes) {
-  // Indexed by the bits passes, transparent.
+  // Indexed by the bits passes, transparent, merging.
   static constexpr RenderTile kKernels[] = {
       render_bidirectional_tile<BidirectionalFeatures{false, false}>,
       render_bidirectional_tile<BidirectionalFeatures{true, false}>,
       render_bidirectional_tile<BidirectionalFeatures{false, true}>,
       render_bidirectional_tile<BidirectionalFeatures{true, true}>,
+      render_bidirectional_tile<BidirectionalFeatures{false, false, true}>,
+      render_bidirectional_tile<BidirectionalFeatures{true, false, true}>,
+      render_bidirectional_tile<BidirectionalFeatures{false, true, true}>,
+      render_bidirectional_tile<BidirectionalFeatures{true, true, true}>,
   };
-  const unsigned index =
-      (passes.any_sampled() ? 1u : 0u) | (requirements.transparent_shadows ? 2u : 0u);
+  const bool merges = TechniqueSet(settings, requirements).merges;
+  const unsigned index = (passes.any_sampled() ? 1u : 0u) |
+                         (requirements.transparent_shadows ? 2u : 0u) | (merges ? 4u : 0u);
   return {.render_tile = kKernels[index],
           .splats = true,
           .make_plan = make_bidirectional_plan,
+          .make_light_pass = merges ? make_light_vertices : nullptr,
+          .single_samples = merges,
           .notes = describe_limits(settings, requirements)};
 }
 

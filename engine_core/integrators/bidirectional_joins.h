@@ -1,5 +1,5 @@
 // How the tracer of bidirectional paths joins a light's sub-path: to the camera, and to the
-// vertices of the camera's. Part of bidirectional_tracer.h.
+// vertices of the camera's; and how it merges them. Part of bidirectional_tracer.h.
 #pragma once
 
 #include "integrators/bidirectional_tracer.h"
@@ -108,6 +108,53 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
     add_reaching(walk, kLobeAny, false,
                  {s, walk.depth.total + 2, light_number_, &y, &v, wi, distance, others, c});
   }
+}
+
+// Merges a vertex of the camera's sub-path with those of all light's sub-paths that lie nearby:
+// technique (s, t) for paths of s + t - 1 vertices. The light that they bring counts as spread
+// evenly over the disk about the vertex.
+template <BidirectionalFeatures F, class Observer, class Sampler>
+void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const PathVertex& v) {
+  if (!(v.mis.merge > 0.0)) {
+    return;
+  }
+  // Light would leak to where others of its vertices cannot be: round corners and edges, to the
+  // next layer of what lies close, and through what is thin. So the surface must face about the
+  // same way there (cosine), and lie about in the plane of this one (in radii).
+  constexpr float kLeastCosine = 0.8f, kMostOffset = 0.25f;
+  const float radius = light_vertices_->radius() * merge_scale(v);
+  const float radius_squared = square(radius);
+  const double area = merge_area_ * square(static_cast<double>(merge_scale(v)));
+  const auto density = static_cast<float>(1.0 / area);
+  light_vertices_->for_each(
+      v.point.p, [&](const LightVertex& y, Vec3f position, float distance_squared) {
+        const float facing = dot(v.point.ng, y.ng);
+        if (distance_squared <= radius_squared && std::abs(facing) >= kLeastCosine &&
+            std::abs(dot(v.point.ng, position - v.point.p)) <= kMostOffset * radius &&
+            facing * dot(v.point.ng, y.wi) > 0.0f &&
+            walk.depth.total + y.bounces < walks_.limits.total &&
+            techniques_.show(y.bounces + 2, walk.depth.total + 2)) {
+          merge(walk, v, y, density);
+        }
+      });
+}
+
+template <BidirectionalFeatures F, class Observer, class Sampler>
+void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const PathVertex& v,
+                                                      const LightVertex& y, float density) {
+  const BsdfEval eval = scatter_eval(scene_, v, y.wi);
+  // Flux over area is radiance times the cosine with the surface as it is, whichever of the two.
+  const float cosine = std::max(abs_cosine(v.point, y.wi), std::abs(dot(y.ng, y.wi)));
+  const Color c = v.beta * eval.f * y.beta * (density / cosine);
+  if (is_black(c)) {
+    return;
+  }
+  const double others =
+      v.mis.beside_merge().sum(heuristic_, static_cast<double>(eval.pdf_reverse)) +
+      y.ratios().sum(heuristic_, static_cast<double>(eval.pdf));
+  FoundPath path{y.bounces + 2, walk.depth.total + 2, kNoIndex, nullptr, &v, y.wi, 0.0f, others, c};
+  path.merged = true;
+  add_reaching(walk, kLobeAny, walk.depth.total == 0 && y.bounces == 0, std::move(path));
 }
 
 }  // namespace vernier

@@ -116,6 +116,21 @@ void aim_at(std::vector<Vec3f>& points, const Scene& scene, EmissionGuide& guide
   guide.lights = AliasTable(weights);
 }
 
+// The median of what a pixel covers at the points.
+float median_footprint(const std::vector<Vec3f>& points, const Camera& camera) {
+  std::vector<float> footprints;
+  footprints.reserve(points.size());
+  for (const Vec3f& p : points) {
+    footprints.push_back(camera.footprint(p));
+  }
+  if (footprints.empty()) {
+    return 0.0f;
+  }
+  const auto middle = footprints.begin() + static_cast<ptrdiff_t>(footprints.size() / 2);
+  std::nth_element(footprints.begin(), middle, footprints.end());
+  return *middle;
+}
+
 // Chooses lights by what the pilot saw them do. Never 0 where it was not, and 0 where it was.
 void choose_by(const LightTally& tally, EmissionGuide& guide) {
   double attributed = 0.0;
@@ -248,9 +263,14 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
       std::clamp(std::ilogb(std::max(samples * kPilotPart, 1.0)), kLeastLog2, kMostLog2);
   const uint32_t count = 1u << log2_samples;
   const uint32_t aiming = count / kAimingPart;
-  RenderContext pilot = context;
-  pilot.plan = plan.get();
+  // Merges need all light paths of a batch: the pilot has the other techniques only.
+  Settings settings = context.settings;
+  if (static_cast<IntegratorKind>(settings.integrator) == IntegratorKind::kVcm) {
+    settings.integrator = static_cast<int>(IntegratorKind::kBdpt);
+  }
+  const RenderContext pilot{scene, settings, context.filter, context.cancelled, plan.get()};
   Findings unaimed = run_pilot(pilot, seed, log2_samples, 0, aiming);
+  plan->footprint = median_footprint(unaimed.points, *scene.camera);
   aim_at(unaimed.points, scene, plan->guide);
   const Findings aimed = run_pilot(pilot, seed, log2_samples, aiming, count);
   for (const Findings* found : {&std::as_const(unaimed), &aimed}) {

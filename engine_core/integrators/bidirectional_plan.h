@@ -13,6 +13,9 @@ struct BidirectionalPlan : Plan {
   // Contributions below the inverse of this are followed by chance only; infinite: all are
   // followed.
   float inverse_threshold = kInfinity;
+  // Radius of a pixel as it covers the surfaces that the camera sees, the median of them, metres;
+  // 0: it sees none.
+  float footprint = 0.0f;
 
   // Whether a contribution, of which `weight` counts, is worth more work. What is small beside the
   // picture is let go by chance, and raised where it stays; u is uniform in [0,1).

@@ -2,8 +2,9 @@
 //
 // One sample is a light sub-path and a camera sub-path. The first splats every vertex to the camera
 // (techniques with t = 1). The second meets lights (s = 0), samples lights (s = 1) and is joined to
-// every vertex of the first (s, t >= 2), at each of its vertices. The bookkeeping of the weights is
-// paths/mis.h.
+// every vertex of the first (s, t >= 2), at each of its vertices. Where the method merges, it also
+// gathers there what ends nearby of the first sub-paths of all samples of the batch (vertex
+// connection and merging: Georgiev et al. 2012). The bookkeeping of the weights is paths/mis.h.
 #pragma once
 
 #include <cmath>
@@ -12,6 +13,7 @@
 #include "integrators/camera_film.h"
 #include "integrators/camera_loop.h"
 #include "integrators/filtered_splats.h"
+#include "integrators/light_vertices.h"
 #include "integrators/technique_set.h"
 #include "lights/light_sampler.h"
 #include "paths/light_walk.h"
@@ -39,7 +41,7 @@ class BidirectionalTracer {
         plan_(static_cast<const BidirectionalPlan&>(*context.plan)),
         filter_(context.filter),
         techniques_(techniques),
-        heuristic_(static_cast<MisExponent>(context.settings.mis_heuristic) == MisExponent::kPower),
+        heuristic_(techniques_.heuristic(context.settings)),
         walks_{context.scene,
                sampler,
                context.cancelled,
@@ -53,6 +55,10 @@ class BidirectionalTracer {
         film_(context.scene, passes),
         passes_(passes),
         observer_(observer) {
+    if constexpr (F.merging) {
+      light_vertices_ = static_cast<const LightVertices*>(context.light_pass);
+      merge_area_ = light_vertices_->area();
+    }
     const FilmDesc& film = scene_.film;
     light_paths_ = static_cast<double>(film.crop[2] - film.crop[0]) *
                    static_cast<double>(film.crop[3] - film.crop[1]);
@@ -63,7 +69,7 @@ class BidirectionalTracer {
   CameraSample run(const CameraRay& camera_ray) {
     light_.clear();
     camera_path_.clear();
-    if (techniques_.light_paths && techniques_.most_light_bounces >= 0) {
+    if (techniques_.light_paths && techniques_.joins && techniques_.most_light_bounces >= 0) {
       LightClient client{*this};
       walk_from_light(light_ends(), walks_, light_, stats_.non_finite, client,
                       techniques_.most_light_bounces);
@@ -173,7 +179,7 @@ class BidirectionalTracer {
                                  ? static_cast<double>(lights_.pdf_emission_ray(
                                        plan_.guide, light, visitor.receiver.p, direction))
                                  : 0.0;
-      others = heuristic_(static_cast<double>(sampled) / d.pdf) +
+      others = (techniques_.joins ? heuristic_(static_cast<double>(sampled) / d.pdf) : 0.0) +
                bounded_product(heuristic_(emitted * d.cosine / d.pdf), d.sum);
     }
     const PathVertex* z = walk.depth.total > 0 ? &camera_path_[visitor.last] : nullptr;
@@ -194,11 +200,14 @@ class BidirectionalTracer {
       v.mis.pdf =
           static_cast<double>(camera_.pdf_across(-dot(v.point.wo, camera_.axis()), distance)) *
           cosine / light_share_;
-      v.mis.neighbour = visitor.crosses ? 1.0 : 0.0;
+      v.mis.neighbour = visitor.crosses && techniques_.joins ? 1.0 : 0.0;
       v.mis.chain = 0.0;
     } else {
       v.mis = visitor.departure.arrive(heuristic_, static_cast<double>(walk.travelled), cosine,
                                        visitor.crosses);
+    }
+    if constexpr (F.merging) {
+      allow_merges(heuristic_, merge_area_, v);
     }
     if (!is_black(v.bsdf.emission)) {
       add_emission(walk, visitor, v);
@@ -207,6 +216,12 @@ class BidirectionalTracer {
       return !is_black(v.bsdf.transparency);
     }
     if (v.bsdf.connectible() && walk.depth.total < walks_.limits.total && !walk.spent) {
+      if constexpr (F.merging) {
+        merge(walk, v);
+      }
+      if (!techniques_.joins) {
+        return true;
+      }
       sample_light(walk, v);
       const Vec2f u = walks_.sampler.get_2d(dimension(walk.index, BounceDim::kJoin));
       for (uint32_t i = 0; i < light_.size(); ++i) {
@@ -274,6 +289,8 @@ class BidirectionalTracer {
   }
 
   void connect(const Walk& walk, const PathVertex& v, const PathVertex& y, Vec2f u);
+  void merge(const Walk& walk, const PathVertex& v);
+  void merge(const Walk& walk, const PathVertex& v, const LightVertex& y, float density);
 
   // Light that reaches vertex z of the path from wi, through the lobes of `mask`.
   void add_reaching(const Walk& walk, uint8_t mask, bool direct, FoundPath&& path) {
@@ -286,7 +303,7 @@ class BidirectionalTracer {
     });
   }
 
-  LightEnds light_ends() const { return {scene_, plan_.guide, heuristic_}; }
+  LightEnds light_ends() const { return {scene_, plan_.guide, heuristic_, merge_area_}; }
   SegmentContext segments() const { return {scene_, walks_.limits.transparent, walks_.rays}; }
 
   Color clamp(Color c, bool direct) const {
@@ -330,6 +347,8 @@ class BidirectionalTracer {
   float start_distance_ = 0.0f;
   double light_paths_;  // as many as samples of all pixels that are rendered
   double light_share_;  // over the samples of the full frame
+  const LightVertices* light_vertices_ = nullptr;  // to be merged with
+  double merge_area_ = 0.0;                        // LightVertices::area()
 };
 
 }  // namespace vernier

@@ -14,6 +14,7 @@ Kernel choose_kernel(const Settings& settings, const Requirements& requirements,
       return {.render_tile = whitted_kernel()};
     case IntegratorKind::kLight:
     case IntegratorKind::kBdpt:
+    case IntegratorKind::kVcm:
       return bidirectional_kernel(settings, requirements, passes);
   }
   return {.render_tile = path_kernel(settings, requirements, passes)};

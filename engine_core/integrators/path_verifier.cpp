@@ -51,7 +51,7 @@ PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const E
                            const BidirectionalMemory& memory, double tolerance)
     : scene_(scene),
       techniques_(settings, scene.requirements),
-      heuristic_(static_cast<MisExponent>(settings.mis_heuristic) == MisExponent::kPower),
+      heuristic_(techniques_.heuristic(settings)),
       power_(static_cast<MisExponent>(settings.mis_heuristic) == MisExponent::kPower),
       guide_(guide),
       memory_(memory),

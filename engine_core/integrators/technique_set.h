@@ -13,14 +13,17 @@ namespace vernier {
 
 // What a tracer is compiled for.
 struct BidirectionalFeatures {
-  bool passes;       // more than the picture is asked for
-  bool transparent;  // segments may pass surfaces
+  bool passes;           // more than the picture is asked for
+  bool transparent;      // segments may pass surfaces
+  bool merging = false;  // sub-paths are merged with all of the batch's
 };
 
 // Which techniques make the picture.
 struct TechniqueSet {
   bool camera_paths;  // any with t >= 2, but for lights that the camera sees directly
   bool light_paths;   // any that start paths at lights
+  bool joins;         // any that join two vertices, or sample a light
+  bool merges;        // any that merge two
   bool weighted;
   int only_s, only_t;  // -1: all
   int least = 0;       // only paths of at least this many vertices
@@ -32,9 +35,20 @@ struct TechniqueSet {
       : camera_paths(static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kLight),
         light_paths(!requirements.uneven_visibility &&
                     !(camera_paths && BounceLimits::by_kind(settings))),
+        joins(!vcm(settings) || settings.vcm_connections != 0),
+        merges(vcm(settings) && settings.vcm_merging != 0 && settings.merge_radius > 0.0 &&
+               light_paths),
         weighted(camera_paths && settings.unweighted == 0),
         only_s(settings.only_light_vertices),
         only_t(settings.only_camera_vertices) {}
+
+  static bool vcm(const Settings& settings) {
+    return static_cast<IntegratorKind>(settings.integrator) == IntegratorKind::kVcm;
+  }
+  MisHeuristic heuristic(const Settings& settings) const {
+    return MisHeuristic(static_cast<MisExponent>(settings.mis_heuristic) == MisExponent::kPower,
+                        joins);
+  }
 
   bool show(int s, int t) const {
     return (only_s < 0 || only_s == s) && (only_t < 0 || only_t == t) && s + t >= least;
@@ -49,7 +63,7 @@ struct BidirectionalMemory {
 
 // One way of making a path, as it is found: what an observer is told.
 struct FoundPath {
-  int s, t;             // vertices from the light, from the camera
+  int s, t;             // vertices from the light, from the camera; merged: one is of both
   uint32_t light;       // kNoIndex: emission that no light stands for
   const PathVertex* y;  // the light's sub-path ends here; null: s < 2
   const PathVertex* z;  // the camera's sub-path ends here; null: t = 1, or t = 2 and s = 0
@@ -58,6 +72,7 @@ struct FoundPath {
   double others;        // densities of the other techniques, to the heuristic's power, over this
   Color contribution;   // weighted
   Vec2f raster = {};    // t = 1: where it was splatted, pixels of the full frame
+  bool merged = false;
 };
 
 // An observer that looks away.

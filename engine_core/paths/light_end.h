@@ -14,6 +14,7 @@ struct LightEnds {
   const Scene& scene;
   const EmissionGuide& guide;
   MisHeuristic heuristic;
+  double merge_area = 0;  // paths from lights times the area in which they are gathered; 0: none
 };
 
 // The vertex as lights are sampled for it.
@@ -44,7 +45,7 @@ inline MisState first_from_light(const LightEnds& ends, const EmissionSample& e,
           : lights.pdf_light(receiver, e.light, v.point.wo, e.infinite ? kInfinity : distance, e.n);
   MisState state;
   state.pdf = emission_density(ends, e.light, v, v.point.wo, distance);
-  state.neighbour = ends.heuristic(static_cast<double>(sampled));
+  state.neighbour = ends.heuristic.joins() ? ends.heuristic(static_cast<double>(sampled)) : 0.0;
   state.chain = lights.is_hittable(e.light) ? 1.0 : 0.0;
   return state;
 }

@@ -39,6 +39,9 @@ struct LightVisitor {
       path.drop();
       return false;
     }
+    if (ends.merge_area > 0.0) {
+      allow_merges(ends.heuristic, ends.merge_area, v);
+    }
     if (v.bsdf.connectible()) {
       client.reached(walk, v);
     }

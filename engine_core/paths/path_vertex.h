@@ -142,6 +142,23 @@ inline std::optional<BsdfSample> scatter_sample(const Scene& scene, const PathVe
   return sample;
 }
 
+// The part of the merging radius within which the vertex is merged. A merge sees light that falls
+// beside a point as if it fell there. Within a narrow lobe that light is elsewhere by the lobe's
+// own width once the step to the side is that part of the way to what the lobe shows, and so the
+// radius shrinks with the lobe. It is a matter of the surface alone: both sides agree on it.
+inline float merge_scale(const PathVertex& v) {
+  constexpr float kWide = 0.25f;  // alpha: a roughness of 0.5
+  return std::min(v.bsdf.widest_alpha() * (1.0f / kWide), 1.0f);
+}
+
+// Tells the vertex's weights that it may be merged with others: `area` is the number of paths from
+// lights times that of the disk in which they are gathered.
+inline void allow_merges(const MisHeuristic& heuristic, double area, PathVertex& v) {
+  if (v.other_reaches && v.bsdf.connectible()) {
+    v.mis.merges(heuristic, area * square(static_cast<double>(merge_scale(v))));
+  }
+}
+
 // The vertex as a sub-path leaves it along a sampled direction.
 inline MisDeparture departure_of(const MisHeuristic& heuristic, const PathVertex& v,
                                  const BsdfSample& sample) {

@@ -19,6 +19,9 @@ constexpr std::array kIntegrators{
     EnumItem{"BDPT", "Bidirectional Path Tracing",
              "Paths from the camera and from the lights, joined in every way: for lamps in "
              "fixtures, light through narrow openings, caustics on matte surfaces"},
+    EnumItem{"VCM", "Vertex Connection and Merging",
+             "Bidirectional Path Tracing that also gathers the ends of all light paths nearby: for "
+             "caustics seen in mirrors or through glass and water"},
 };
 constexpr std::array kMisHeuristics{
     EnumItem{"BALANCE", "Balance", "In proportion to each technique's density"},
@@ -151,6 +154,20 @@ const std::array kParameters{
     integer("bidirectional", "unweighted", &Settings::unweighted, 0, 1, 0, 1, "Unweighted",
             "1: leave out the weights, so that each technique alone shows all light that it can "
             "find. With more than one technique the picture is then too bright"),
+    integer("merging", "vcm_connections", &Settings::vcm_connections, 0, 1, 0, 1, "Connections",
+            "With Vertex Connection and Merging, 1: join paths; 0: gather only, which is "
+            "bidirectional photon mapping"),
+    integer("merging", "vcm_merging", &Settings::vcm_merging, 0, 1, 0, 1, "Merging",
+            "With Vertex Connection and Merging, 1: gather the ends of light paths nearby; 0: join "
+            "only, which is Bidirectional Path Tracing"),
+    real("merging", "merge_radius", &Settings::merge_radius, 0, 1000, 0.25, 8, "Merging Radius",
+         "Radius within which ends of light paths are gathered in the first sample, in radii of a "
+         "pixel as it covers the surfaces that the camera sees, the median of them. Biased: light "
+         "is blurred so far, and less with every sample; 0: gathers none",
+         "px"),
+    real("merging", "merge_alpha", &Settings::merge_alpha, 0, 1, 0.5, 1, "Radius Alpha",
+         "How the radius shrinks: its square goes with the number of the sample to the power of "
+         "this less 1. Smaller: less bias, more noise; 1: never shrinks"),
     film_choice("pixel_filter", static_cast<int>(FilmDesc{}.filter), kFilters, "Pixel Filter",
                 "Shape of the reconstruction filter"),
     film_real("filter_width", FilmDesc{}.filter_width, 0.01, 10, 0.5, 4, "Filter Width",

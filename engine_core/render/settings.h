@@ -14,7 +14,7 @@
 
 namespace vernier {
 
-enum class IntegratorKind : int { kPath, kWhitted, kLight, kBdpt };
+enum class IntegratorKind : int { kPath, kWhitted, kLight, kBdpt, kVcm };
 enum class MisExponent : int { kBalance, kPower };
 enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
 
@@ -40,6 +40,10 @@ struct Settings {
   int only_light_vertices = -1;
   int only_camera_vertices = -1;
   int unweighted = 0;
+  int vcm_connections = 1;
+  int vcm_merging = 1;
+  double merge_radius = 1.5;
+  double merge_alpha = 0.75;
 };
 
 struct EnumItem {

@@ -19,6 +19,7 @@ void bind_bsdf_probes(nanobind::module_& m);
 void bind_nodes_probes(nanobind::module_& m);
 void bind_lights_probes(nanobind::module_& m);
 void bind_core_probes(nanobind::module_& m);
+void bind_accuracy_probes(nanobind::module_& m);
 void bind_paths_probes(nanobind::module_& m);
 void bind_spatial_probes(nanobind::module_& m);
 

@@ -16,6 +16,7 @@ VERNIER_NB_MODULE(VERNIER_MODULE, m) {
   vernier::bind_nodes_probes(probe);
   vernier::bind_lights_probes(probe);
   vernier::bind_core_probes(probe);
+  vernier::bind_accuracy_probes(probe);
   vernier::bind_paths_probes(probe);
   vernier::bind_spatial_probes(probe);
 }

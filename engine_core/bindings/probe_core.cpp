@@ -10,10 +10,9 @@
 #include "bindings/bind.h"
 #include "bindings/table.h"
 #include "camera/camera.h"
-#include "render/accuracy.h"
-#include "render/session.h"
 #include "sampling/pixel_filter.h"
 #include "sampling/sobol.h"
+#include "scene/scene.h"
 #include "scene/triangulate.h"
 
 namespace nb = nanobind;
@@ -135,11 +134,6 @@ void bind_core_probes(nb::module_& m) {
   m.def("filter_offsets", &filter_offsets);
   m.def("filter_densities", &filter_densities);
   m.def("triangulate", &triangulate_polygon);
-  m.def("batch_samples", &batch_samples, nb::arg("total_before"), nb::arg("share") = 4);
-  m.def("interval_factor", &interval_factor);
-  m.def("standard_error", &standard_error);
-  m.def("relative_error", &relative_error);
-  m.def("picture_error", [](std::vector<float> errors) { return picture_error(errors); });
 }
 
 }  // namespace vernier

@@ -42,7 +42,7 @@ void render_camera_tile(const RenderContext& context, const Batch& batch, const 
           return;
         }
         const SobolSampler sampler(static_cast<uint32_t>(frame_x), static_cast<uint32_t>(frame_y),
-                                   batch.first + s, batch.log2_capacity, batch.seed);
+                                   batch.point + s, batch.log2_capacity, batch.seed);
         const Vec2f offset = context.filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
         const Vec2f raster{static_cast<float>(frame_x) + 0.5f + offset.x,
                            static_cast<float>(frame_y) + 0.5f + offset.y};

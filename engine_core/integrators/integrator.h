@@ -7,21 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "render/batch_plan.h"
 #include "render/film.h"
 #include "render/settings.h"
 #include "sampling/pixel_filter.h"
 #include "scene/scene.h"
 
 namespace vernier {
-
-// A batch is a pass over the whole frame: samples `first` to `first + samples` of every pixel, of
-// the 2^log2_capacity that the render's sequence has room for.
-struct Batch {
-  uint64_t seed = 0;
-  uint32_t first = 0;
-  uint32_t samples = 1;
-  int log2_capacity = 0;
-};
 
 // What a thread has done. Padded, so that threads do not share cache lines.
 struct alignas(64) RenderStats {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/accuracy.h"
+#include "accuracy/error_map.h"
+#include "accuracy/statement.h"
 
 namespace vernier {
 namespace {
@@ -14,6 +15,18 @@ bool is_sampled(Pass pass) {
 
 // Depth where there is no surface, as Blender's compositor expects it.
 constexpr float kNoDepth = 1e10f;
+
+// Mean of the pixels that have samples, before exposure.
+double mean_luminance(std::span<const PixelEstimate> pixels) {
+  double sum = 0.0;
+  size_t count = 0;
+  for (const PixelEstimate& p : pixels) {
+    if (!std::isnan(p.mean)) {
+      sum += p.mean, ++count;
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
 
 // Light passes are divided by their colour when they are read: that colour must then be stored.
 PassSet with_colors(PassSet passes) {
@@ -102,8 +115,13 @@ int channel_offset(PassSet passes, Pass pass) {
 
 int sampled_channels(PassSet passes) { return channel_offset(passes, Pass::kCount); }
 
-TileBuffer::TileBuffer(PassSet passes, const Tile& tile, std::shared_ptr<SplatFrame> splats)
-    : tile_(tile), passes_(passes), splats_(std::move(splats)) {
+TileBuffer::TileBuffer(PassSet passes, const Tile& tile, const Batch& batch,
+                       std::shared_ptr<SplatFrame> splats)
+    : tile_(tile),
+      passes_(passes),
+      samples_(batch.samples),
+      second_net_(batch.second_net),
+      splats_(std::move(splats)) {
   const auto count = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height);
   pixels_.resize(count);
   values_.resize(count * static_cast<size_t>(sampled_channels(passes)));
@@ -137,26 +155,27 @@ Film::Film(int width, int height, PassSet passes, float exposure, bool splatting
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
   pixels_.resize(count);
   values_.resize(count * static_cast<size_t>(sampled_channels(passes_)));
+  counts_.resize(tiles_.size());
   arrivals_.resize(tiles_.size());
   locks_ = std::make_unique<std::mutex[]>(tiles_.size());
 }
 
 double Film::luminance_sum(const Pixel& p) { return 0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b; }
 
-TileBuffer Film::buffer(size_t tile, uint64_t batch) {
+TileBuffer Film::buffer(size_t tile, uint64_t number, const Batch& batch) {
   if (!splatting_) {
-    return TileBuffer(passes_, tiles_[tile]);
+    return TileBuffer(passes_, tiles_[tile], batch);
   }
   std::shared_ptr<SplatFrame> splats;
   {
     const std::lock_guard lock(frames_lock_);
-    std::shared_ptr<SplatFrame>& frame = frames_[batch].splats;
+    std::shared_ptr<SplatFrame>& frame = frames_[number].splats;
     if (!frame) {
       frame = std::make_shared<SplatFrame>(width_, height_, passes_.any_sampled());
     }
     splats = frame;
   }
-  return TileBuffer(passes_, tiles_[tile], std::move(splats));
+  return TileBuffer(passes_, tiles_[tile], batch, std::move(splats));
 }
 
 Film::Merged Film::merge_frame(uint64_t batch, TileBuffer&& buffer) {
@@ -174,7 +193,7 @@ Film::Merged Film::merge_frame(uint64_t batch, TileBuffer&& buffer) {
     lock.unlock();
     for (const TileBuffer& tile : frame.mapped().tiles) {
       const std::lock_guard tile_lock(locks_[tile.number_]);
-      add(tiles_[tile.number_], tile);
+      add(tile.number_, tile);
     }
     lock.lock();
     adding_frame_ = false;
@@ -195,12 +214,12 @@ Film::Merged Film::merge(size_t tile, uint64_t batch, TileBuffer&& buffer) {
     arrivals.early.emplace(batch, std::move(buffer));
     return Merged::kNothing;
   }
-  add(tiles_[tile], buffer);
+  add(tile, buffer);
   ++arrivals.next;
   for (auto next = arrivals.early.begin();
        next != arrivals.early.end() && next->first == arrivals.next;
        next = arrivals.early.erase(next)) {
-    add(tiles_[tile], next->second);
+    add(tile, next->second);
     ++arrivals.next;
   }
   return Merged::kTile;
@@ -231,47 +250,39 @@ void Film::add_splats(const SplatFrame& splats, const SplatChannels& channels, s
   }
 }
 
-void Film::add(const Tile& tile, const TileBuffer& buffer) {
+void Film::add(size_t number, const TileBuffer& buffer) {
+  const Tile& tile = tiles_[number];
+  BatchCounts& counts = counts_[number];
   const auto channels = static_cast<size_t>(sampled_channels(passes_));
   const SplatChannels splatted = splat_channels();
-  uint64_t samples = 0;
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; ++x) {
       const size_t from = buffer.index(x, y);
       PixelBatch batch = buffer.pixels_[from];
-      if (batch.samples == 0) {
-        continue;
-      }
       const size_t to = static_cast<size_t>(tile.y + y) * static_cast<size_t>(width_) +
                         static_cast<size_t>(tile.x + x);
       if (buffer.splats() != nullptr) {
         add_splats(*buffer.splats(), splatted, to, batch, values_.data() + to * channels);
       }
       Pixel& p = pixels_[to];
-      p.r += batch.r, p.g += batch.g, p.b += batch.b, p.alpha += batch.alpha;
       const double luminance = 0.2126 * batch.r + 0.7152 * batch.g + 0.0722 * batch.b;
-      p.luminance_squares += luminance * luminance / batch.samples;
-      p.samples += batch.samples;
-      samples += batch.samples;
-      ++p.batches;
+      p.batches.add(luminance, buffer.samples_, buffer.second_net_, luminance_sum(p),
+                    counts.samples);
+      p.r += batch.r, p.g += batch.g, p.b += batch.b, p.alpha += batch.alpha;
       for (size_t c = 0; c < channels; ++c) {
         values_[to * channels + c] += buffer.values_[from * channels + c];
       }
     }
   }
-  pixel_samples_.fetch_add(samples, std::memory_order_relaxed);
+  counts.add(buffer.samples_, buffer.second_net_);
+  const uint64_t pixels = static_cast<uint64_t>(tile.width) * static_cast<uint64_t>(tile.height);
+  pixel_samples_.fetch_add(pixels * buffer.samples_, std::memory_order_relaxed);
 }
 
-double Film::half_width(const Pixel& p) const {
-  const double n = p.samples;
-  return interval_factor(p.batches) *
-         standard_error(n, luminance_sum(p), p.luminance_squares, p.batches);
-}
-
-void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
+void Film::read_pixel(Pass pass, size_t pixel, uint32_t samples, float* out) const {
   const Pixel& p = pixels_[pixel];
   const PassInfo& what = info(pass);
-  const double inv = p.samples > 0 ? 1.0 / p.samples : 0.0;
+  const double inv = samples > 0 ? 1.0 / samples : 0.0;
   if (pass == Pass::kCombined) {
     out[0] = static_cast<float>(p.r * inv * exposure_);
     out[1] = static_cast<float>(p.g * inv * exposure_);
@@ -280,11 +291,7 @@ void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
     return;
   }
   if (pass == Pass::kSampleCount) {
-    out[0] = static_cast<float>(p.samples);
-    return;
-  }
-  if (pass == Pass::kError) {
-    out[0] = static_cast<float>(relative_error(luminance_sum(p) * inv, half_width(p), mean));
+    out[0] = static_cast<float>(samples);
     return;
   }
   const float* values = values_.data() + pixel * static_cast<size_t>(sampled_channels(passes_));
@@ -293,7 +300,7 @@ void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
       what.kind == PassKind::kLight ? values + channel_offset(passes_, what.color) : nullptr;
   const bool is_light =
       what.kind == PassKind::kLight || pass == Pass::kEmission || pass == Pass::kEnvironment;
-  if (pass == Pass::kDepth && p.samples > 0 && !(value[0] > 0.0f)) {
+  if (pass == Pass::kDepth && samples > 0 && !(value[0] > 0.0f)) {
     out[0] = kNoDepth;
     return;
   }
@@ -308,9 +315,8 @@ void Film::read_pixel(Pass pass, size_t pixel, double mean, float* out) const {
   }
 }
 
-void Film::read(Pass pass, const Tile& area, std::span<float> out) const {
-  const size_t channels = info(pass).channels.size();
-  const double mean = pass == Pass::kError ? mean_luminance() : 0.0;
+template <class F>
+void Film::for_each_pixel(const Tile& area, const F& f) const {
   for (size_t i = 0; i < tiles_.size(); ++i) {
     const Tile& t = tiles_[i];
     const int x0 = std::max(t.x, area.x), x1 = std::min(t.x + t.width, area.x + area.width);
@@ -321,55 +327,50 @@ void Film::read(Pass pass, const Tile& area, std::span<float> out) const {
     const std::lock_guard lock(locks_[i]);
     for (int y = y0; y < y1; ++y) {
       for (int x = x0; x < x1; ++x) {
-        const size_t to = static_cast<size_t>(y - area.y) * static_cast<size_t>(area.width) +
-                          static_cast<size_t>(x - area.x);
-        const size_t from =
-            static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
-        read_pixel(pass, from, mean, out.data() + to * channels);
+        f(static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x), counts_[i],
+          static_cast<size_t>(y - area.y) * static_cast<size_t>(area.width) +
+              static_cast<size_t>(x - area.x));
       }
     }
   }
 }
 
-double Film::mean_luminance() const {
-  double sum = 0.0;
-  size_t count = 0;
-  for (size_t i = 0; i < tiles_.size(); ++i) {
-    const Tile& t = tiles_[i];
-    const std::lock_guard lock(locks_[i]);
-    for (int y = t.y; y < t.y + t.height; ++y) {
-      for (int x = t.x; x < t.x + t.width; ++x) {
-        const Pixel& p =
-            pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
-        if (p.samples > 0) {
-          sum += luminance_sum(p) / p.samples;
-          ++count;
-        }
-      }
+void Film::read(Pass pass, const Tile& area, std::span<float> out) const {
+  if (pass == Pass::kError) {
+    const std::vector<float> all = errors();
+    for_each_pixel(area, [&](size_t from, const BatchCounts&, size_t to) { out[to] = all[from]; });
+    return;
+  }
+  const size_t channels = info(pass).channels.size();
+  for_each_pixel(area, [&](size_t from, const BatchCounts& counts, size_t to) {
+    read_pixel(pass, from, counts.samples, out.data() + to * channels);
+  });
+}
+
+std::vector<PixelEstimate> Film::estimates() const {
+  std::vector<PixelEstimate> pixels(pixels_.size());
+  for_each_pixel({0, 0, width_, height_}, [&](size_t i, const BatchCounts& counts, size_t) {
+    pixels[i] = pixels_[i].batches.estimate(luminance_sum(pixels_[i]), counts);
+  });
+  return pixels;
+}
+
+std::vector<float> Film::errors() const {
+  const std::vector<PixelEstimate> pixels = estimates();
+  const double mean = mean_luminance(pixels);
+  std::vector<float> errors = half_widths(pixels, width_, height_, mean);
+  for (size_t i = 0; i < errors.size(); ++i) {
+    if (std::isfinite(errors[i])) {
+      errors[i] =
+          static_cast<float>(relative_error(pixels[i].mean, static_cast<double>(errors[i]), mean));
     }
   }
-  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+  return errors;
 }
 
 double Film::error() const {
-  const double mean = mean_luminance();
-  std::vector<float> errors;
-  errors.reserve(pixels_.size());
-  for (size_t i = 0; i < tiles_.size(); ++i) {
-    const Tile& t = tiles_[i];
-    const std::lock_guard lock(locks_[i]);
-    for (int y = t.y; y < t.y + t.height; ++y) {
-      for (int x = t.x; x < t.x + t.width; ++x) {
-        const Pixel& p =
-            pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
-        if (p.samples > 0) {
-          errors.push_back(static_cast<float>(
-              relative_error(luminance_sum(p) / p.samples, half_width(p), mean)));
-        }
-      }
-    }
-  }
-  return picture_error(errors);
+  std::vector<float> all = errors();
+  return picture_error(all);
 }
 
 }  // namespace vernier

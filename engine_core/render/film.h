@@ -1,8 +1,8 @@
 // Where samples become a picture.
 //
 // Every pixel keeps float64 sums over its samples and, for the error estimate, over its batches
-// (see accuracy.h). Samples are placed by importance sampling the pixel filter, so each belongs to
-// one pixel alone and tiles need no borders.
+// (see accuracy/pixel_sums.h). Samples are placed by importance sampling the pixel filter, so each
+// belongs to one pixel alone and tiles need no borders.
 #pragma once
 
 #include <array>
@@ -14,7 +14,9 @@
 #include <span>
 #include <vector>
 
+#include "accuracy/pixel_sums.h"
 #include "math/vec.h"
+#include "render/batch_plan.h"
 #include "render/passes.h"
 #include "render/splats.h"
 
@@ -53,7 +55,8 @@ class TileBuffer {
  public:
   // `splats`: where the batch's light goes that is not of these pixels' own samples; null where the
   // method has none.
-  TileBuffer(PassSet passes, const Tile& tile, std::shared_ptr<SplatFrame> splats = nullptr);
+  TileBuffer(PassSet passes, const Tile& tile, const Batch& batch,
+             std::shared_ptr<SplatFrame> splats = nullptr);
 
   SplatFrame* splats() const { return splats_.get(); }
   PixelBatch& pixel(int x, int y) { return pixels_[index(x, y)]; }
@@ -67,6 +70,8 @@ class TileBuffer {
   }
   Tile tile_;
   PassSet passes_;
+  uint32_t samples_;
+  bool second_net_;
   std::vector<PixelBatch> pixels_;
   std::vector<float> values_;  // by pixel: the channels of all sampled passes
   std::shared_ptr<SplatFrame> splats_;
@@ -85,8 +90,8 @@ class Film {
   // All tiles, from the middle outward.
   const std::vector<Tile>& tiles() const { return tiles_; }
 
-  // An empty buffer for batch number `batch` of tile number `tile`.
-  TileBuffer buffer(size_t tile, uint64_t batch);
+  // An empty buffer for batch number `number` of tile number `tile`.
+  TileBuffer buffer(size_t tile, uint64_t number, const Batch& batch);
 
   // What merge() has made visible.
   enum class Merged { kNothing, kTile, kFrame };
@@ -104,16 +109,13 @@ class Film {
   // of width * height * channels floats. Pixels without samples are zero; their error, and that
   // of pixels with one batch, is not known and so infinite.
   void read(Pass pass, const Tile& area, std::span<float> out) const;
-  // The picture's error by accuracy.h; infinite while no pixel has two batches.
+  // The picture's error by accuracy/statement.h; infinite while few pixels have two batches.
   double error() const;
-  // Mean luminance of the pixels that have samples, before exposure.
-  double mean_luminance() const;
 
  private:
   struct Pixel {
     double r = 0, g = 0, b = 0, alpha = 0;
-    double luminance_squares = 0;  // sum over batches of n_b times the squared mean luminance
-    uint32_t samples = 0, batches = 0;
+    PixelSums batches;
   };
   static constexpr int kTileSize = 32;
 
@@ -128,7 +130,7 @@ class Film {
     std::vector<TileBuffer> tiles;
   };
 
-  void add(const Tile& tile, const TileBuffer& buffer);
+  void add(size_t number, const TileBuffer& buffer);
   // Where each light pass that splats reach has its channels; -1: it was not asked for.
   using SplatChannels = std::array<int, SplatFrame::kPlanesWithPasses - SplatFrame::kDirectPlane>;
   SplatChannels splat_channels() const;
@@ -136,14 +138,22 @@ class Film {
                          PixelBatch& batch, float* values);
   Merged merge_frame(uint64_t batch, TileBuffer&& buffer);
   static double luminance_sum(const Pixel& p);
-  double half_width(const Pixel& p) const;
-  void read_pixel(Pass pass, size_t pixel, double mean, float* out) const;
+  // What is known of each pixel by itself; of `width_` times `height_`.
+  std::vector<PixelEstimate> estimates() const;
+  // The error pass of the whole film.
+  std::vector<float> errors() const;
+  // Calls f(pixel within the film, its tile's counts, pixel within `area`), each tile under its
+  // lock.
+  template <class F>
+  void for_each_pixel(const Tile& area, const F& f) const;
+  void read_pixel(Pass pass, size_t pixel, uint32_t samples, float* out) const;
 
   int width_, height_;
   PassSet passes_;
   double exposure_;
   std::vector<Tile> tiles_;
   std::vector<Pixel> pixels_;
+  std::vector<BatchCounts> counts_;  // by tile
   std::vector<float> values_;
   std::vector<Arrivals> arrivals_;               // by tile
   mutable std::unique_ptr<std::mutex[]> locks_;  // by tile

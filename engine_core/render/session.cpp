@@ -1,6 +1,5 @@
 #include "render/session.h"
 
-#include <bit>
 #include <cmath>
 #include <exception>
 #include <stdexcept>
@@ -14,31 +13,17 @@
 namespace vernier {
 namespace {
 
-// Larger batches would make cancelling slow and change nothing.
-constexpr uint64_t kLargestBatch = 64;
-
 // A frame of splats counts as a whole or not at all: when the time is up, little must be lost.
 constexpr uint32_t kSplattingShare = 16, kTileShare = 4;
 
-std::vector<Batch> plan_batches(const Settings& settings, const Kernel& kernel) {
-  const uint32_t share = kernel.splats ? kSplattingShare : kTileShare;
+std::vector<Batch> plan_for(const Settings& settings, const Kernel& kernel) {
   const auto samples = static_cast<uint32_t>(settings.samples);
-  const uint64_t seed = hash64(static_cast<uint64_t>(settings.seed));
-  std::vector<Batch> plan;
-  for (uint32_t first = 0; first < samples; first += plan.back().samples) {
-    const uint32_t size =
-        kernel.single_samples ? 1 : std::min(batch_samples(first, share), samples - first);
-    plan.push_back({seed, first, size, static_cast<int>(std::bit_width(samples - 1u))});
-  }
-  return plan;
+  return plan_batches(hash64(static_cast<uint64_t>(settings.seed)), samples, samples,
+                      {.share = kernel.splats ? kSplattingShare : kTileShare,
+                       .single_samples = kernel.single_samples});
 }
 
 }  // namespace
-
-uint32_t batch_samples(uint64_t total_before, uint32_t share) {
-  const uint64_t size = std::bit_floor(std::max<uint64_t>(total_before / share, 1));
-  return static_cast<uint32_t>(std::min(size, kLargestBatch));
-}
 
 Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes,
                  bool give_way)
@@ -50,7 +35,7 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
             scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure,
             kernel_.splats),
       filter_(scene_->film.filter, scene_->film.filter_width),
-      plan_(plan_batches(settings, kernel_)),
+      plan_(plan_for(settings, kernel_)),
       light_passes_(kernel_, plan_, film_.tiles().size()),
       thread_count_(resolve_threads(settings.threads)),
       give_way_(give_way),
@@ -157,7 +142,7 @@ void Session::work(int thread) {
       }
       RenderContext tile_context = context;
       tile_context.light_pass = light_pass.get();
-      TileBuffer buffer = film_.buffer(tile_number, number);
+      TileBuffer buffer = film_.buffer(tile_number, number, batch);
       kernel_.render_tile(tile_context, batch, tile, buffer, film_.passes(), stats);
       if (stopped_) {
         break;  // pixels of an unfinished tile would have a batch of another size

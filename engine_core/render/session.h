@@ -18,18 +18,12 @@
 
 namespace vernier {
 
-// Samples of the batch that follows `total_before` samples: batches grow with what has been
-// rendered, so that the first picture comes at once and the error estimate has at least eight
-// batches to go by once there are eight samples. All are powers of two, and so are aligned blocks
-// of the sequence. A batch is no more than 1 / `share` of what was before.
-uint32_t batch_samples(uint64_t total_before, uint32_t share = 4);
-
 struct Progress {
   double samples = 0;  // per pixel, on average
   double samples_target = 0;
   double seconds = 0;
   double seconds_left = 0;  // an estimate; infinite where there is none yet
-  double error = 0;         // of the picture (accuracy.h); infinite while unknown
+  double error = 0;         // of the picture (accuracy/statement.h); infinite while unknown
   uint64_t rays = 0;
   uint64_t non_finite = 0;
   bool done = false;

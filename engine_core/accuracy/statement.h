@@ -1,0 +1,24 @@
+// The statement of a picture's accuracy: its one definition.
+//
+// A render is a sequence of batches; pixel_sums.h tells what one pixel's say of its error, and
+// error_map.h the half-widths of the 95 % confidence intervals that follow for all. A pixel's error
+// is its half-width relative to its value, or to 1 % of the picture's mean luminance where that is
+// more. A picture's error is the 95th percentile of its pixels' errors.
+#pragma once
+
+#include <vector>
+
+namespace vernier {
+
+inline constexpr double kConfidence = 0.95;
+inline constexpr double kErrorFloor = 0.01;  // of the mean luminance
+inline constexpr double kErrorPercentile = 0.95;
+
+// A pixel's relative error, by the definition above. `value` and `mean` are luminances.
+double relative_error(double value, double half_width, double mean);
+
+// The picture's error: the 95th percentile of its pixels'. Reorders `errors`. Infinite for none:
+// nothing is known of that picture.
+double picture_error(std::vector<float>& errors);
+
+}  // namespace vernier

@@ -1,0 +1,68 @@
+// Probes of batches and of the statement of accuracy.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <array>
+#include <tuple>
+#include <vector>
+
+#include "accuracy/error_map.h"
+#include "accuracy/statement.h"
+#include "bindings/bind.h"
+#include "render/batch_plan.h"
+
+namespace nb = nanobind;
+
+namespace vernier {
+namespace {
+
+// By batch: seed, first, samples, point, log2 of the net's room, second net.
+std::vector<std::tuple<uint64_t, uint32_t, uint32_t, uint32_t, int, bool>> planned_batches(
+    uint64_t seed, uint32_t samples, uint32_t planned, uint32_t share, bool single) {
+  std::vector<std::tuple<uint64_t, uint32_t, uint32_t, uint32_t, int, bool>> rows;
+  for (const Batch& b : plan_batches(seed, samples, planned, {share, single})) {
+    rows.emplace_back(b.seed, b.first, b.samples, b.point, b.log2_capacity, b.second_net);
+  }
+  return rows;
+}
+
+// Mean, variance, net_gap and excess of a pixel whose batches, which alternate between the nets,
+// have these sums and sizes.
+std::array<double, 4> pixel_estimate(const std::vector<double>& sums,
+                                     const std::vector<uint32_t>& sizes) {
+  PixelSums pixel;
+  BatchCounts counts;
+  double total = 0.0;
+  for (size_t b = 0; b < sums.size(); ++b) {
+    const bool second = b % 2 == 1;
+    pixel.add(sums[b], sizes.at(b), second, total, counts.samples);
+    counts.add(sizes[b], second);
+    total += sums[b];
+  }
+  const PixelEstimate e = pixel.estimate(total, counts);
+  return {e.mean, e.variance, e.net_gap, e.excess};
+}
+
+// From rows of mean, variance, net_gap, excess.
+std::vector<float> error_map(const std::vector<std::array<double, 4>>& rows, int width, int height,
+                             double mean) {
+  std::vector<PixelEstimate> pixels;
+  for (const auto& [mean, variance, net_gap, excess] : rows) {
+    pixels.push_back({mean, variance, net_gap, excess});
+  }
+  return half_widths(pixels, width, height, mean);
+}
+
+}  // namespace
+
+void bind_accuracy_probes(nb::module_& m) {
+  m.def("batch_samples", &batch_samples, nb::arg("total_before"), nb::arg("share") = 4);
+  m.def("plan_batches", &planned_batches);
+  m.def("pixel_estimate", &pixel_estimate);
+  m.def("half_widths", &error_map);
+  m.def("relative_error", &relative_error);
+  m.def("picture_error", [](std::vector<float> errors) { return picture_error(errors); });
+}
+
+}  // namespace vernier

@@ -13,9 +13,9 @@ constexpr int kNearRadius = 3;  // of the neighbourhood for variance, pixels
 constexpr double kOwnShare = 0.5;
 
 // Wider neighbourhoods are made of square cells.
-constexpr int kCell = 8;                  // pixels
-constexpr int kNetRadius = 3;             // cells
-constexpr std::array kExcessRadii{2, 8};  // cells
+constexpr int kCell = 8;                      // pixels
+constexpr int kNetRadius = 3;                 // cells
+constexpr std::array kExcessRadii{1, 3, 12};  // cells
 // A net is better than independent points by no more than this, as far as few pixels can tell.
 constexpr double kLeastVariance = 0.05;
 
@@ -23,9 +23,9 @@ using Pixels = std::span<const PixelEstimate>;
 
 bool known(const PixelEstimate& p) { return std::isfinite(p.variance); }
 
-// What a pixel would be without its excess, or the median of such around it where that is more; no
-// less than `least`. Variances are pooled relative to its square: beside the edge of a lamp, dark
-// pixels know that they are not as uncertain as those which the edge passes.
+// The median around each pixel of what pixels would be without their excess; no less than `least`.
+// Variances are pooled relative to its square: beside the edge of a lamp, dark pixels know that
+// they are not as uncertain as those which the edge passes.
 std::vector<double> levels(Pixels pixels, int width, int height, double least) {
   std::vector<double> own(pixels.size()), result(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -45,13 +45,13 @@ std::vector<double> levels(Pixels pixels, int width, int height, double least) {
       std::nth_element(around.begin(), middle, around.begin() + static_cast<ptrdiff_t>(count));
       const size_t at =
           static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
-      result[at] = std::max({own[at], *middle, least});
+      result[at] = std::max(*middle, least);
     }
   }
   return result;
 }
 
-// Mean of the relative variances of the pixels around each.
+// Mean of the relative steady variances of the pixels around each.
 class NearVariance {
  public:
   NearVariance(Pixels pixels, std::span<const double> levels, int width, int height)
@@ -62,7 +62,8 @@ class NearVariance {
         for (int i = std::max(x - kNearRadius, 0); i < std::min(x + kNearRadius + 1, width); ++i) {
           const size_t from = index(i, y);
           if (known(pixels[from])) {
-            mean.sum += pixels[from].variance / (levels[from] * levels[from]), ++mean.count;
+            mean.sum += pixels[from].steady_variance / (levels[from] * levels[from]);
+            ++mean.count;
           }
         }
       }
@@ -197,7 +198,8 @@ std::vector<float> half_widths(Pixels pixels, int width, int height, double mean
       }
       const double variance = kOwnShare * pixels[i].variance + (1.0 - kOwnShare) * pooled[i];
       const double random = kQuantile * std::sqrt(variance * nets[cell].net_gain());
-      widths[i] = static_cast<float>(std::hypot(random, lacking));
+      // What is lacking is the same every time: it shifts what varies.
+      widths[i] = static_cast<float>(random + lacking);
     }
   }
   return widths;

@@ -39,6 +39,7 @@ struct PixelEstimate {
   double net_gap = std::numeric_limits<double>::quiet_NaN();
   // What a single batch that stands out added to the mean; 0: none does.
   double excess = 0;
+  double steady_variance = variance;  // of the mean, without that batch
 };
 
 class PixelSums {
@@ -73,8 +74,9 @@ class PixelSums {
       const double gap = second_ / second - (sum - second_) / first;
       e.net_gap = gap * gap * (first * second / (n * n));
     }
+    e.steady_variance = e.variance;
     if (counts.batches > 4) {
-      e.excess = excess(sum, n, counts.samples_squared);
+      set_apart_peak(sum, n, counts.samples_squared, e);
     }
     return e;
   }
@@ -91,14 +93,16 @@ class PixelSums {
     return std::max(0.0, spread) / (n * n - samples_squared);
   }
 
-  double excess(double sum, double n, double samples_squared) const {
+  void set_apart_peak(double sum, double n, double samples_squared, PixelEstimate& e) const {
     const double k = peak_samples_, rest = n - k;
-    const double mean = (sum - peak_) / rest;
-    const double over = peak_ - k * mean;
+    const double over = peak_ - k * ((sum - peak_) / rest);
     const double others = variance(sum - peak_, rest, samples_squared - k * k,
                                    squares_ - peak_ * peak_, cross_ - k * peak_);
     // The variance of one sample is `others` times `rest`.
-    return over > kStandsOut * std::sqrt(k * rest * others) ? over / n : 0.0;
+    if (over > kStandsOut * std::sqrt(k * rest * others)) {
+      e.excess = over / n;
+      e.steady_variance = others * (rest / n);
+    }
   }
 
   double squares_ = 0;  // sum s_b^2

@@ -15,16 +15,19 @@ double relative_error(double value, double half_width, double mean) {
   return half_width > 0.0 ? std::numeric_limits<double>::infinity() : 0.0;
 }
 
-double picture_error(std::vector<float>& errors) {
+double error_percentile(std::vector<float>& errors, double share) {
   if (errors.empty()) {
     return std::numeric_limits<double>::infinity();
   }
-  // The least error that 95 % of the pixels do not exceed.
-  const double count = std::ceil(kErrorPercentile * static_cast<double>(errors.size()));
-  const size_t rank = std::max<size_t>(static_cast<size_t>(count), 1) - 1;
-  const auto at = errors.begin() + static_cast<ptrdiff_t>(rank);
+  const auto size = static_cast<double>(errors.size());
+  const double count = std::clamp(std::ceil(share * size), 1.0, size);
+  const auto at = errors.begin() + static_cast<ptrdiff_t>(count) - 1;
   std::nth_element(errors.begin(), at, errors.end());
   return static_cast<double>(*at);
+}
+
+double picture_error(std::vector<float>& errors) {
+  return error_percentile(errors, kErrorPercentile);
 }
 
 }  // namespace vernier

@@ -17,6 +17,10 @@ inline constexpr double kErrorPercentile = 0.95;
 // A pixel's relative error, by the definition above. `value` and `mean` are luminances.
 double relative_error(double value, double half_width, double mean);
 
+// The least error that a share of the pixels does not exceed; of all, for a share of 1 or more.
+// Reorders `errors`. Infinite for none: nothing is known of that picture.
+double error_percentile(std::vector<float>& errors, double share);
+
 // The picture's error: the 95th percentile of its pixels'. Reorders `errors`. Infinite for none:
 // nothing is known of that picture.
 double picture_error(std::vector<float>& errors);

@@ -27,9 +27,9 @@ std::vector<std::tuple<uint64_t, uint32_t, uint32_t, uint32_t, int, bool>> plann
   return rows;
 }
 
-// Mean, variance, net_gap and excess of a pixel whose batches, which alternate between the nets,
-// have these sums and sizes.
-std::array<double, 4> pixel_estimate(const std::vector<double>& sums,
+// Mean, variance, net_gap, excess and steady variance of a pixel whose batches, which alternate
+// between the nets, have these sums and sizes.
+std::array<double, 5> pixel_estimate(const std::vector<double>& sums,
                                      const std::vector<uint32_t>& sizes) {
   PixelSums pixel;
   BatchCounts counts;
@@ -41,15 +41,15 @@ std::array<double, 4> pixel_estimate(const std::vector<double>& sums,
     total += sums[b];
   }
   const PixelEstimate e = pixel.estimate(total, counts);
-  return {e.mean, e.variance, e.net_gap, e.excess};
+  return {e.mean, e.variance, e.net_gap, e.excess, e.steady_variance};
 }
 
-// From rows of mean, variance, net_gap, excess.
-std::vector<float> error_map(const std::vector<std::array<double, 4>>& rows, int width, int height,
+// From rows of mean, variance, net_gap, excess, steady variance.
+std::vector<float> error_map(const std::vector<std::array<double, 5>>& rows, int width, int height,
                              double mean) {
   std::vector<PixelEstimate> pixels;
-  for (const auto& [mean, variance, net_gap, excess] : rows) {
-    pixels.push_back({mean, variance, net_gap, excess});
+  for (const auto& [mean, variance, net_gap, excess, steady] : rows) {
+    pixels.push_back({mean, variance, net_gap, excess, steady});
   }
   return half_widths(pixels, width, height, mean);
 }

@@ -26,6 +26,24 @@ Pass pass_by_name(const std::string& name) {
   throw std::invalid_argument("there is no pass named " + name);
 }
 
+const char* ending_name(Ending ending) {
+  switch (ending) {
+    case Ending::kSamples:
+      return "samples";
+    case Ending::kTarget:
+      return "target";
+    case Ending::kTime:
+      return "time";
+    case Ending::kCancelled:
+      return "cancel";
+    case Ending::kFailed:
+      return "failure";
+    case Ending::kNone:
+      break;
+  }
+  return "";
+}
+
 nb::ndarray<nb::numpy, float> read(const Session& session, const std::string& name, int x, int y,
                                    int width, int height) {
   const Pass pass = pass_by_name(name);
@@ -61,7 +79,10 @@ void bind_session(nb::module_& m) {
       .def_ro("rays", &Progress::rays)
       .def_ro("non_finite", &Progress::non_finite, "Samples dropped because not finite.")
       .def_ro("done", &Progress::done)
-      .def_ro("cancelled", &Progress::cancelled);
+      .def_ro("cancelled", &Progress::cancelled)
+      .def_prop_ro(
+          "ending", [](const Progress& p) { return ending_name(p.ending); },
+          "What ended it: samples, target, time, cancel or failure; empty while it is not done.");
 
   nb::class_<Session>(m, "Session", "A render in progress.")
       .def(

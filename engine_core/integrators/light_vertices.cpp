@@ -117,7 +117,7 @@ void LightVertices::trace(Part& part, size_t first, size_t last, const RenderCon
     const auto x = static_cast<uint32_t>(left_ + static_cast<int>(i % static_cast<size_t>(width_)));
     const auto y =
         static_cast<uint32_t>(bottom_ + static_cast<int>(i / static_cast<size_t>(width_)));
-    const SobolSampler sampler(x, y, batch_.first, batch_.log2_capacity, batch_.seed);
+    const SobolSampler sampler(x, y, batch_.point, batch_.log2_capacity, batch_.seed);
     const WalkContext walks{context.scene,
                             sampler,
                             context.cancelled,

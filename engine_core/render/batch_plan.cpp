@@ -43,8 +43,7 @@ std::vector<Batch> plan_batches(uint64_t seed, uint32_t samples, uint32_t planne
   std::vector<Batch> plan;
   bool second = false;
   for (uint32_t first = 0; first < samples; second = !second) {
-    const uint32_t size =
-        std::min({next_size(first, rules), capacity, samples - first});
+    const uint32_t size = std::min({next_size(first, rules), capacity, samples - first});
     uint32_t& point = points[second ? 1 : 0];
     const uint64_t net = 2 * static_cast<uint64_t>(point / capacity) + (second ? 1 : 0);
     plan.push_back({.seed = net == 0 ? seed : hash64(seed + net),

@@ -30,9 +30,9 @@ struct BatchRules {
   bool single_samples = false;  // batches do not grow: each is one sample per pixel
 };
 
-// Batches of `samples` per pixel in all. `planned`: how many samples the render was begun for, which
-// alone decides on its points, so that a render that goes on later has those it would have had. More
-// than were planned come from further nets.
+// Batches of `samples` per pixel in all. `planned`: how many samples the render was begun for,
+// which alone decides on its points, so that a render that goes on later has those it would have
+// had. More than were planned come from further nets.
 std::vector<Batch> plan_batches(uint64_t seed, uint32_t samples, uint32_t planned,
                                 const BatchRules& rules);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "accuracy/error_map.h"
 #include "accuracy/statement.h"
@@ -355,10 +356,9 @@ std::vector<PixelEstimate> Film::estimates() const {
   return pixels;
 }
 
-std::vector<float> Film::errors() const {
-  const std::vector<PixelEstimate> pixels = estimates();
-  const double mean = mean_luminance(pixels);
-  std::vector<float> errors = half_widths(pixels, width_, height_, mean);
+std::vector<float> Film::errors(const std::vector<PixelEstimate>& pixels, int width, int height,
+                                double mean) {
+  std::vector<float> errors = half_widths(pixels, width, height, mean);
   for (size_t i = 0; i < errors.size(); ++i) {
     if (std::isfinite(errors[i])) {
       errors[i] =
@@ -368,9 +368,30 @@ std::vector<float> Film::errors() const {
   return errors;
 }
 
+std::vector<float> Film::errors() const {
+  const std::vector<PixelEstimate> pixels = estimates();
+  return errors(pixels, width_, height_, mean_luminance(pixels));
+}
+
 double Film::error() const {
   std::vector<float> all = errors();
   return picture_error(all);
+}
+
+Certificate Film::certificate(unsigned look) const {
+  const std::vector<PixelEstimate> pixels = estimates();
+  const double mean = mean_luminance(pixels);
+  return certify(pixels, errors(pixels, width_, height_, mean), mean,
+                 static_cast<unsigned>(least_batches()), look);
+}
+
+uint64_t Film::least_batches() const {
+  uint64_t least = std::numeric_limits<uint64_t>::max();
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const std::lock_guard lock(locks_[i]);
+    least = std::min<uint64_t>(least, counts_[i].batches);
+  }
+  return least;
 }
 
 }  // namespace vernier

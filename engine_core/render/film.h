@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "accuracy/certificate.h"
 #include "accuracy/pixel_sums.h"
 #include "math/vec.h"
 #include "render/batch_plan.h"
@@ -111,6 +112,11 @@ class Film {
   void read(Pass pass, const Tile& area, std::span<float> out) const;
   // The picture's error by accuracy/statement.h; infinite while few pixels have two batches.
   double error() const;
+  // The same, for look number `look` at it (accuracy/certificate.h).
+  Certificate certificate(unsigned look) const;
+
+  // Number of the batches in the sums of the tile that has fewest.
+  uint64_t least_batches() const;
 
  private:
   struct Pixel {
@@ -142,6 +148,8 @@ class Film {
   std::vector<PixelEstimate> estimates() const;
   // The error pass of the whole film.
   std::vector<float> errors() const;
+  static std::vector<float> errors(const std::vector<PixelEstimate>& pixels, int width, int height,
+                                   double mean);
   // Calls f(pixel within the film, its tile's counts, pixel within `area`), each tile under its
   // lock.
   template <class F>

@@ -16,9 +16,17 @@ namespace {
 // A frame of splats counts as a whole or not at all: when the time is up, little must be lost.
 constexpr uint32_t kSplattingShare = 16, kTileShare = 4;
 
+constexpr uint32_t kMostPlanned = 1u << 16, kPlannedWithoutEnd = 1u << 12;
+
+// Looks at the error of the picture: the first, and how much samples grow from one to the next.
+constexpr uint32_t kFirstLook = 16;
+constexpr double kLookGrowth = 1.125;
+
 std::vector<Batch> plan_for(const Settings& settings, const Kernel& kernel) {
   const auto samples = static_cast<uint32_t>(settings.samples);
-  return plan_batches(hash64(static_cast<uint64_t>(settings.seed)), samples, samples,
+  // A render that has no end in sight does not plan for it: its nets would never be full.
+  const uint32_t planned = samples <= kMostPlanned ? samples : kPlannedWithoutEnd;
+  return plan_batches(hash64(static_cast<uint64_t>(settings.seed)), samples, planned,
                       {.share = kernel.splats ? kSplattingShare : kTileShare,
                        .single_samples = kernel.single_samples});
 }
@@ -41,6 +49,7 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
       give_way_(give_way),
       stats_(static_cast<size_t>(thread_count_)),
       rays_(static_cast<size_t>(thread_count_)),
+      schedule_(std::vector<uint64_t>(film_.tiles().size()), [this] { return look(); }),
       changed_(film_.tiles().size(), false) {}
 
 Session::~Session() {
@@ -84,13 +93,48 @@ void Session::start() {
 
 void Session::cancel() {
   cancelled_ = true;
+  stop(Ending::kCancelled);
+}
+
+void Session::stop(Ending ending) {
+  Ending none = Ending::kNone;
+  ending_.compare_exchange_strong(none, ending);
   stopped_ = true;
+  schedule_.end();
 }
 
 void Session::watch_the_time() {
   if (!wait(settings_.time_limit)) {
-    stopped_ = true;
+    stop(Ending::kTime);
   }
+}
+
+Schedule::Round Session::look() {
+  const uint64_t begun = film_.least_batches();
+  Ending ending = Ending::kNone;
+  if (begun == plan_.size()) {
+    ending = Ending::kSamples;
+  }
+  if (settings_.target_error > 0.0 && begun > 0) {
+    const Certificate certificate = film_.certificate(++looks_);
+    if (meets(certificate, 0.01 * settings_.target_error)) {
+      ending = Ending::kTarget;
+    }
+  }
+  if (ending != Ending::kNone) {
+    ending_ = ending;
+    return {};
+  }
+  uint64_t until = plan_.size();
+  if (settings_.target_error > 0.0) {
+    const uint32_t samples = begun > 0 ? plan_[begun].first : 0;
+    const double next = std::max<double>(kFirstLook, kLookGrowth * samples);
+    until = begun;
+    do {
+      ++until;
+    } while (until < plan_.size() && plan_[until].first < next);
+  }
+  return Schedule::Round(film_.tiles().size(), until);
 }
 
 double Session::elapsed() const {
@@ -102,16 +146,6 @@ double Session::elapsed() const {
     return static_cast<double>(end) * 1e-9;
   }
   return std::chrono::duration<double>(Clock::now() - start_).count();
-}
-
-bool Session::next_job(uint64_t& batch, size_t& tile) {
-  if (stopped_) {
-    return false;
-  }
-  const uint64_t job = next_++;
-  batch = job / film_.tiles().size();
-  tile = static_cast<size_t>(job % film_.tiles().size());
-  return batch < plan_.size();
 }
 
 void Session::work(int thread) {
@@ -128,9 +162,9 @@ void Session::work(int thread) {
       }
     });
     context.plan = plan_of_method_.get();
-    uint64_t number = 0;
-    size_t tile_number = 0;
-    while (next_job(number, tile_number)) {
+    Job job;
+    while (schedule_.next(job)) {
+      const auto [tile_number, number] = job;
       const Tile& tile = film_.tiles()[tile_number];
       const Batch& batch = plan_[number];
       std::shared_ptr<const LightPass> light_pass;
@@ -148,6 +182,7 @@ void Session::work(int thread) {
         break;  // pixels of an unfinished tile would have a batch of another size
       }
       const Film::Merged merged = film_.merge(tile_number, number, std::move(buffer));
+      schedule_.done();
       rays_[static_cast<size_t>(thread)] = stats.rays;
       const std::lock_guard lock(mutex_);
       if (merged == Film::Merged::kTile) {
@@ -157,7 +192,7 @@ void Session::work(int thread) {
       }
     }
   } catch (const std::exception& e) {
-    stopped_ = true;
+    stop(Ending::kFailed);
     const std::lock_guard lock(mutex_);
     error_message_ = e.what();
   }
@@ -195,11 +230,17 @@ Progress Session::poll(bool with_error) const {
   }
   p.non_finite = non_finite_;
   p.cancelled = cancelled_;
+  p.ending = p.done ? ending_.load() : Ending::kNone;
   p.error = with_error ? film_.error() : static_cast<double>(kInfinity);
   double left = p.samples > 0.0 ? p.seconds * (p.samples_target / p.samples - 1.0)
                                 : static_cast<double>(kInfinity);
   if (settings_.time_limit > 0.0) {
     left = std::min(left, settings_.time_limit - p.seconds);
+  }
+  if (settings_.target_error > 0.0 && std::isfinite(p.error)) {
+    // An error falls with the root of the samples.
+    const double ratio = p.error / (0.01 * settings_.target_error);
+    left = std::min(left, p.seconds * (ratio * ratio - 1.0));
   }
   p.seconds_left = p.done ? 0.0 : std::max(left, 0.0);
   return p;

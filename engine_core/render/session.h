@@ -13,10 +13,14 @@
 #include "integrators/integrator.h"
 #include "render/film.h"
 #include "render/light_pass_queue.h"
+#include "render/schedule.h"
 #include "render/settings.h"
 #include "scene/scene.h"
 
 namespace vernier {
+
+// What ended a render.
+enum class Ending { kNone, kSamples, kTarget, kTime, kCancelled, kFailed };
 
 struct Progress {
   double samples = 0;  // per pixel, on average
@@ -28,6 +32,7 @@ struct Progress {
   uint64_t non_finite = 0;
   bool done = false;
   bool cancelled = false;
+  Ending ending = Ending::kNone;  // none while it is not done
 };
 
 class Session {
@@ -68,7 +73,9 @@ class Session {
   void watch_the_time();
   void thread_ended(int count);
   double elapsed() const;
-  bool next_job(uint64_t& batch, size_t& tile);
+  void stop(Ending ending);
+  // What every tile is to have next, by what the film says of the picture.
+  Schedule::Round look();
 
   std::shared_ptr<const Scene> scene_;
   Settings settings_;
@@ -86,10 +93,12 @@ class Session {
   std::thread watch_;  // only with a time limit
   std::vector<RenderStats> stats_;
   std::vector<std::atomic<uint64_t>> rays_;
-  std::atomic<uint64_t> next_{0};  // job number: batch * tiles + tile
+  Schedule schedule_;
+  unsigned looks_ = 0;  // at the picture's error
   std::atomic<uint64_t> non_finite_{0};
   std::atomic<bool> cancelled_{false};
   std::atomic<bool> stopped_{false};  // cancelled, out of time, or failed
+  std::atomic<Ending> ending_{Ending::kNone};
   std::atomic<int> running_{0};
   Clock::time_point start_;
   std::atomic<bool> started_{false};

@@ -112,6 +112,10 @@ const std::array kParameters{
             "Samples per pixel"),
     real("sampling", "time_limit", &Settings::time_limit, 0, 1e9, 0, 3600, "Time Limit",
          "Stop after this time; 0: no limit. Whichever of samples and time ends first counts", "s"),
+    real("sampling", "target_error", &Settings::target_error, 0, 1000, 0, 20, "Target Error",
+         "Stop when the picture's error is below this, with a confidence of 95 %; 0: no target. "
+         "Whichever of samples, time and target ends first counts",
+         "%"),
     integer("sampling", "seed", &Settings::seed, 0, kMany, 0, kMany, "Seed",
             "Equal seeds give equal pictures"),
     integer("performance", "threads", &Settings::threads, 0, 1024, 0, 64, "Threads",

@@ -22,6 +22,7 @@ struct Settings {
   int integrator = static_cast<int>(IntegratorKind::kPath);
   int samples = 128;
   double time_limit = 0.0;
+  double target_error = 0.0;  // in percent
   int seed = 0;
   int threads = 0;
   int direct_light = static_cast<int>(DirectLight::kMis);

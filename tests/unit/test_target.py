@@ -1,4 +1,4 @@
-"""Renders that stop at an accuracy: when they do, what they claim, and that stopping does not bias."""
+"""Renders that stop at an accuracy: when they do, what they claim, and that nothing is biased."""
 
 from __future__ import annotations
 

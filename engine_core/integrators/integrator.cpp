@@ -2,6 +2,7 @@
 
 #include "integrators/bidirectional.h"
 #include "integrators/path.h"
+#include "integrators/pssmlt.h"
 #include "integrators/whitted.h"
 
 namespace vernier {
@@ -16,6 +17,10 @@ Kernel choose_kernel(const Settings& settings, const Requirements& requirements,
     case IntegratorKind::kBdpt:
     case IntegratorKind::kVcm:
       return bidirectional_kernel(settings, requirements, passes);
+    case IntegratorKind::kPssmlt:
+      return pssmlt_kernel(settings, requirements, passes);
+    case IntegratorKind::kMmlt:
+      return mmlt_kernel(settings, requirements, passes);
   }
   return {.render_tile = path_kernel(settings, requirements, passes)};
 }

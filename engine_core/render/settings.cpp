@@ -22,6 +22,12 @@ constexpr std::array kIntegrators{
     EnumItem{"VCM", "Vertex Connection and Merging",
              "Bidirectional Path Tracing that also gathers the ends of all light paths nearby: for "
              "caustics seen in mirrors or through glass and water"},
+    EnumItem{"PSSMLT", "Primary Sample Metropolis",
+             "Chains of bidirectional samples, each a small change of the last: for light that is "
+             "hard to find"},
+    EnumItem{"MMLT", "Multiplexed Metropolis",
+             "Chains of single paths, made from either end by the way that suits them: for light "
+             "that is hard to find"},
 };
 constexpr std::array kMisHeuristics{
     EnumItem{"BALANCE", "Balance", "In proportion to each technique's density"},
@@ -172,6 +178,14 @@ const std::array kParameters{
     real("merging", "merge_alpha", &Settings::merge_alpha, 0, 1, 0.5, 1, "Radius Alpha",
          "How the radius shrinks: its square goes with the number of the sample to the power of "
          "this less 1. Smaller: less bias, more noise; 1: never shrinks"),
+    integer("metropolis", "separate_direct", &Settings::separate_direct, 0, 1, 0, 1,
+            "Separate Direct Light",
+            "1: direct light is sampled as in path tracing, and the chains have the rest; 0: the "
+            "chains find direct light too"),
+    real("metropolis", "large_steps", &Settings::large_steps, 0.001, 1, 0.05, 0.9, "Large Steps",
+         "The part of mutations that leave the path for a new one"),
+    integer("metropolis", "chain_length", &Settings::chain_length, 1, 1 << 24, 64, 65536,
+            "Chain Length", "Mutations after which a chain starts anew"),
     film_choice("pixel_filter", static_cast<int>(FilmDesc{}.filter), kFilters, "Pixel Filter",
                 "Shape of the reconstruction filter"),
     film_real("filter_width", FilmDesc{}.filter_width, 0.01, 10, 0.5, 4, "Filter Width",

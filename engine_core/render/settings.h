@@ -14,7 +14,7 @@
 
 namespace vernier {
 
-enum class IntegratorKind : int { kPath, kWhitted, kLight, kBdpt, kVcm };
+enum class IntegratorKind : int { kPath, kWhitted, kLight, kBdpt, kVcm, kPssmlt, kMmlt };
 enum class MisExponent : int { kBalance, kPower };
 enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
 
@@ -45,6 +45,9 @@ struct Settings {
   int vcm_merging = 1;
   double merge_radius = 1.5;
   double merge_alpha = 0.75;
+  int separate_direct = 1;
+  double large_steps = 0.25;
+  int chain_length = 1024;
 };
 
 struct EnumItem {

@@ -1,0 +1,40 @@
+// What a point of a chain's space gives to the picture: a list of splats, and their luminance.
+#pragma once
+
+#include <vector>
+
+#include "math/vec.h"
+
+namespace vernier {
+
+struct Splat {
+  Vec2f raster;      // pixels of the full frame, as Camera has them
+  Color color;       // a pixel's value where all of it is its own
+  int s = 0, t = 0;  // the technique that found it
+  double target = 0;
+};
+
+// The target of a chain is the sum of its splats' luminances (Veach and Guibas 1997, section 5.1),
+// by what light is worth where it falls.
+struct Contribution {
+  std::vector<Splat> splats;
+  double target = 0;
+  // The target of this point as independent samples find it: what decides how much of it is theirs.
+  // Infinite: nothing.
+  double independent_target = 0;
+
+  void clear() {
+    splats.clear();
+    target = independent_target = 0;
+  }
+  // `worth` is positive.
+  void add(Vec2f raster, Color color, float worth, int s, int t) {
+    const double value = static_cast<double>(luminance(color) * worth);
+    if (value > 0.0) {
+      splats.push_back({raster, color, s, t, value});
+      target += value;
+    }
+  }
+};
+
+}  // namespace vernier

@@ -1,0 +1,229 @@
+// Evaluates points of primary-sample space: a whole bidirectional sample (PSSMLT; Kelemen et al.
+// 2002), or one of its techniques (MMLT; Hachisuka, Kaplanyan and Dachsbacher 2014, "Multiplexed
+// Metropolis Light Transport").
+#pragma once
+
+#include <algorithm>
+
+#include "integrators/bidirectional_tracer.h"
+#include "metropolis/contribution.h"
+#include "metropolis/metropolis_plan.h"
+#include "metropolis/metropolis_step.h"
+#include "metropolis/primary_sample.h"
+
+namespace vernier {
+
+// The raster of a sample that is uniform over the frame and as far beyond as filters reach.
+class FilmSpace {
+ public:
+  FilmSpace(const FilmDesc& film, const PixelFilter2d& filter)
+      : first_{static_cast<float>(film.crop[0]) - filter.radius(),
+               static_cast<float>(film.crop[1]) - filter.radius()},
+        size_{static_cast<float>(film.crop[2] - film.crop[0]) + 2.0f * filter.radius(),
+              static_cast<float>(film.crop[3] - film.crop[1]) + 2.0f * filter.radius()},
+        share_(static_cast<double>(size_.x) * static_cast<double>(size_.y) /
+               (static_cast<double>(film.crop[2] - film.crop[0]) *
+                static_cast<double>(film.crop[3] - film.crop[1]))) {}
+
+  Vec2f raster(Vec2f u) const { return {first_.x + size_.x * u.x, first_.y + size_.y * u.y}; }
+  Vec2f first() const { return first_; }
+  Vec2f size() const { return size_; }
+  // Its area over that of the pixels.
+  double share() const { return share_; }
+
+ private:
+  Vec2f first_, size_;
+  double share_;
+};
+
+// Collects what a tracer finds.
+struct SplatObserver {
+  Contribution& out;
+  const MetropolisPlan& plan;
+  Vec2f raster;        // of the camera's path
+  float camera_scale;  // of what it finds
+  float scale;         // of all
+
+  void emitted(const EmissionSample&) {}
+  void found(const FoundPath& path) {
+    const Vec2f where = path.t == 1 ? path.raster : raster;
+    out.add(where, path.contribution * (path.t == 1 ? scale : camera_scale), plan.worth(where),
+            path.s, path.t);
+  }
+};
+
+// Evaluates whole bidirectional samples: the independent ones of all Metropolis methods.
+class PrimaryEvaluator {
+ public:
+  PrimaryEvaluator(const RenderContext& context, RenderStats& stats)
+      : context_(context),
+        stats_(stats),
+        plan_(static_cast<const MetropolisPlan&>(*context.plan)),
+        film_(context.scene.film, context.filter),
+        techniques_(context.settings, context.scene.requirements) {
+    techniques_.least = least_chain_vertices(context.settings);
+    techniques_.only_s = techniques_.only_t = -1;
+    techniques_.weighted = true;
+  }
+
+  // Evaluates the independent point that `source` makes.
+  void sample(const SobolSampler& source, Contribution& out) {
+    samples_.begin(source);
+    evaluate(techniques_, 1.0, out);
+    out.independent_target = out.target;
+  }
+
+  // The path that the camera and the light have made last.
+  const BidirectionalMemory& memory() const { return memory_; }
+
+ protected:
+  // Evaluates the proposal; what is found counts `scale` times.
+  void evaluate(const TechniqueSet& techniques, double scale, Contribution& out) {
+    out.clear();
+    const PrimarySampler sampler(samples_);
+    const Camera& camera = *context_.scene.camera;
+    SplatObserver observer{
+        out, plan_, {}, static_cast<float>(scale * film_.share()), static_cast<float>(scale)};
+    CameraRay ray;
+    if (techniques.most_camera_bounces >= 0) {
+      observer.raster = film_.raster(sampler.get_2d(dimension(CameraDim::kFilter)));
+      ray = camera.generate_ray(observer.raster, camera.is_pinhole()
+                                                     ? Vec2f{}
+                                                     : sampler.get_2d(dimension(CameraDim::kLens)));
+    }
+    NoPassSample no_passes;
+    BidirectionalTracer<BidirectionalFeatures{false, true}, SplatObserver, PrimarySampler>(
+        context_, sampler, stats_, nullptr, no_passes, memory_, observer, techniques)
+        .run(ray);
+    ++stats_.camera_paths;
+  }
+
+  const RenderContext& context_;
+  RenderStats& stats_;
+  const MetropolisPlan& plan_;
+  const FilmSpace film_;
+  TechniqueSet techniques_;  // of whole samples
+  BidirectionalMemory memory_;
+  PrimarySamples samples_;
+};
+
+// Chains of whole samples.
+class SampleExplorer : public PrimaryEvaluator {
+ public:
+  using State = Contribution;
+  // Whether large steps are samples as independent as those of the pool.
+  static constexpr bool kIndependentSteps = true;
+
+  using PrimaryEvaluator::PrimaryEvaluator;
+
+  // Starts a chain at the independent sample of `source`, by replaying it. The numbers of its
+  // mutations come from `rng`, as does a choice among several starts.
+  void start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain) {
+    sample(source, chain.current);
+    samples_.accept();
+    samples_.seed(rng.next());
+  }
+  // Starts to draw independent points alone.
+  void start(Pcg32& rng) { samples_.seed(rng.next()); }
+
+  // Proposes a mutation; the ratio of the densities of the way back and there is returned. `large`:
+  // the proposal does not depend on where the chain is.
+  double propose(MarkovChain<State>& chain, bool large) {
+    samples_.propose(large);
+    evaluate(techniques_, 1.0, chain.proposed);
+    chain.proposed.independent_target = chain.proposed.target;
+    return 1.0;
+  }
+  void accept() { samples_.accept(); }
+  float random() { return samples_.random(); }
+
+  // How much of each splat is left to independent samples, of which there are `half` per unit of
+  // the chain's target; see ChainShare.
+  template <class Share>
+  static void share_independent(const Share& share, Contribution& c) {
+    const auto part = static_cast<float>(share.independent(c.target));
+    for (Splat& splat : c.splats) {
+      splat.color *= part;
+    }
+  }
+};
+
+// Chains of single techniques: the numbers of vertices from the light and the camera are part of
+// the state. The number of all changes in large steps alone, as from one to another nothing is
+// kept.
+class TechniqueExplorer : public PrimaryEvaluator {
+ public:
+  using State = Contribution;
+  static constexpr bool kIndependentSteps = false;
+
+  using PrimaryEvaluator::PrimaryEvaluator;
+
+  void start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain) {
+    Contribution& at = chain.current;
+    sample(source, at);
+    // One of the techniques, in proportion to its part of the sample.
+    double left = static_cast<double>(rng.next_float()) * at.target;
+    const Splat* chosen = nullptr;
+    for (const Splat& splat : at.splats) {
+      chosen = &splat;
+      if ((left -= splat.target) < 0.0) {
+        break;
+      }
+    }
+    if (chosen != nullptr) {
+      length_ = chosen->s + chosen->t;
+      const int count = techniques_of(length_);
+      samples_.begin(source);
+      samples_.choose(
+          {(static_cast<float>(chosen->s) + rng.next_float()) / static_cast<float>(count), 0.0f});
+      evaluate_technique(length_, at);
+      samples_.accept();
+    }
+    samples_.seed(rng.next());
+  }
+  void start(Pcg32& rng) { samples_.seed(rng.next()); }
+
+  double propose(MarkovChain<State>& chain, bool large) {
+    samples_.propose(large);
+    proposed_length_ = large ? plan_.lengths.sample(samples_.random()) : length_;
+    evaluate_technique(proposed_length_, chain.proposed);
+    return 1.0;
+  }
+  void accept() {
+    samples_.accept();
+    length_ = proposed_length_;
+  }
+  float random() { return samples_.random(); }
+
+  template <class Share>
+  static void share_independent(const Share& share, Contribution& c) {
+    for (size_t i = 0; i < c.splats.size(); ++i) {
+      double target = 0.0;  // of its technique
+      for (const Splat& other : c.splats) {
+        target += other.s == c.splats[i].s && other.t == c.splats[i].t ? other.target : 0.0;
+      }
+      c.splats[i].color *= static_cast<float>(share.independent(target));
+    }
+  }
+
+ private:
+  int techniques_of(int length) const { return techniques_.light_paths ? length : 2; }
+
+  void evaluate_technique(int length, Contribution& out) {
+    const int count = techniques_of(length);
+    const float u = samples_.get(kChoiceDimension).x;
+    const int s = std::min(static_cast<int>(u * static_cast<float>(count)), count - 1);
+    TechniqueSet one = techniques_;
+    one.only_s = s;
+    one.only_t = length - s;
+    one.most_light_bounces = s - 2;
+    one.most_camera_bounces = length - s - 2;
+    const double scale = count / plan_.lengths.probability(length);
+    evaluate(one, scale, out);
+    out.independent_target = out.target / scale;
+  }
+
+  int length_ = 0, proposed_length_ = 0;
+};
+
+}  // namespace vernier

@@ -44,6 +44,7 @@ _TITLES = {
     "light_paths": "Light Paths",
     "bidirectional": "Bidirectional",
     "merging": "Merging",
+    "metropolis": "Metropolis",
     "film": "Film",
     "performance": "Performance",
 }
@@ -52,6 +53,7 @@ _ONLY_WITH: dict[str, tuple[str, tuple[str, ...]]] = {
     "whitted_depth": ("integrator", ("WHITTED",)),
     "bidirectional": ("integrator", ("BDPT", "VCM")),
     "merging": ("integrator", ("VCM",)),
+    "metropolis": ("integrator", ("PSSMLT", "MMLT")),
     "light_fraction": ("direct_light", ("MIXTURE",)),
 }
 _PASSES = (

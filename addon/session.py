@@ -94,6 +94,9 @@ class FinalRender:
         picture = _Picture(engine, layer.name, session, passes, x1 - x0, y1 - y0)
         self._lines = ProgressLines(scene, layer.name)
         progress = self._render(session, picture)
+        late = [note for note in session.notes if note not in messages]
+        self._report(late)
+        messages += late
         if not engine.is_preview:
             ended = time.perf_counter()
             times = (called, described, built, picture.first_shown, ended)

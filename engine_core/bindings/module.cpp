@@ -18,5 +18,6 @@ VERNIER_NB_MODULE(VERNIER_MODULE, m) {
   vernier::bind_core_probes(probe);
   vernier::bind_accuracy_probes(probe);
   vernier::bind_paths_probes(probe);
+  vernier::bind_metropolis_probes(probe);
   vernier::bind_spatial_probes(probe);
 }

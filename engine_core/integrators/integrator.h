@@ -25,6 +25,8 @@ struct alignas(64) RenderStats {
 // What a method finds out about the scene before its first batch. The same for equal seeds.
 struct Plan {
   virtual ~Plan() = default;
+  // Empty, or why there is nothing to find: a sentence. The render then ends after two batches.
+  virtual std::string nothing() const { return {}; }
 };
 
 struct LightPass;

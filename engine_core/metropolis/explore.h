@@ -142,7 +142,9 @@ void explore_tile(const RenderContext& context, const Batch& batch, const Tile& 
       sums.r += c[0], sums.g += c[1], sums.b += c[2];
     }
   }
-  if (static_cast<const MetropolisPlan&>(*context.plan).scale > 0.0) {
+  const auto& plan = static_cast<const MetropolisPlan&>(*context.plan);
+  // Where neither the pilot nor the pool found light, large steps have no share of it.
+  if (plan.chains && (plan.scale > 0.0 || pool.brightness() > 0.0)) {
     TileChains<Explorer>(context, batch, tile, buffer, stats).run();
   }
 }

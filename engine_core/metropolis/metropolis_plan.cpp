@@ -182,18 +182,31 @@ float WorthMap::operator()(Vec2f raster) const {
                 index((raster.x - first_.x) * inverse_size_.x)];
 }
 
+std::string MetropolisPlan::nothing() const {
+  return black
+             ? "No light reaches the camera: " + std::to_string(pilot_samples) + " paths found none"
+             : std::string();
+}
+
 std::unique_ptr<const Plan> make_metropolis_plan(const RenderContext& context, uint64_t seed,
                                                  RenderStats& stats) {
   auto plan = std::make_unique<MetropolisPlan>();
   static_cast<BidirectionalPlan&>(*plan) =
       static_cast<const BidirectionalPlan&>(*make_bidirectional_plan(context, seed, stats));
+  const int most = context.settings.max_bounces < 0 ? std::numeric_limits<int>::max()
+                                                    : context.settings.max_bounces + 3;
+  const int least = least_chain_vertices(context.settings);
+  if (most < least) {
+    plan->chains = false;
+    return plan;
+  }
   RenderContext pilot = context;
   pilot.plan = plan.get();
   const FilmDesc& film = context.scene.film;
   const double samples = static_cast<double>(film.crop[2] - film.crop[0]) *
                          static_cast<double>(film.crop[3] - film.crop[1]) *
                          context.settings.samples;
-  Findings found(least_chain_vertices(context.settings));
+  Findings found(least);
   const uint64_t own_seed = hash64(seed ^ 0x6d6c74u);
   uint32_t done = 0;
   for (int log2 =
@@ -202,6 +215,9 @@ std::unique_ptr<const Plan> make_metropolis_plan(const RenderContext& context, u
     found.add(run_pilot(pilot, own_seed, done, 1u << log2));
     done = 1u << log2;
   }
+  plan->pilot_samples = done;
+  plan->black = !(found.total > 0.0) && !(plan->inverse_threshold < kInfinity);
+  plan->chains = !plan->black;
   stats.rays += found.stats.rays;
   stats.non_finite += found.stats.non_finite;
   plan->worth = WorthMap(film, found.by_cell);
@@ -209,9 +225,7 @@ std::unique_ptr<const Plan> make_metropolis_plan(const RenderContext& context, u
     const int x = static_cast<int>(i) % WorthMap::kSide, y = static_cast<int>(i) / WorthMap::kSide;
     plan->scale += found.by_cell[i] / done * static_cast<double>(plan->worth.at(x, y));
   }
-  const int most = context.settings.max_bounces < 0 ? std::numeric_limits<int>::max()
-                                                    : context.settings.max_bounces + 3;
-  plan->lengths = LengthChoice(found.by_length, least_chain_vertices(context.settings), most);
+  plan->lengths = LengthChoice(found.by_length, least, most);
   return plan;
 }
 

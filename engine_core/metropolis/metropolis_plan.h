@@ -57,8 +57,13 @@ struct MetropolisPlan : BidirectionalPlan {
   // The mean target of a sample, by the pilot: it sets what is left to independent samples, never
   // the picture's brightness. 0: no light was found.
   double scale = 0;
+  uint32_t pilot_samples = 0;
+  bool chains = true;  // false: all light is left to ordinary samples
+  bool black = false;  // there is not even light that these find
   LengthChoice lengths;
   WorthMap worth;
+
+  std::string nothing() const override;
 };
 
 // From a pilot of some thousand samples; of many more where these find no light.

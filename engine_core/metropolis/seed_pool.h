@@ -82,8 +82,11 @@ class SeedPool : public LightPass {
       sum();
       return;
     }
-    const FlushDenormals flush;
     const auto& plan = static_cast<const MetropolisPlan&>(*context.plan);
+    if (!plan.chains) {
+      return;
+    }
+    const FlushDenormals flush;
     const ChainShare share(plan.scale, size_.independents / size_.mutations);
     const FilteredSplats splats(context.scene.film, context.filter, &splats_);
     PrimaryEvaluator evaluator(context, stats);

@@ -148,6 +148,25 @@ double Session::elapsed() const {
   return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
+void Session::heed(const Plan& plan) {
+  const std::string nothing = plan.nothing();
+  if (nothing.empty() || stopped_) {
+    return;
+  }
+  constexpr uint64_t kForErrors = 2;
+  plan_.resize(
+      std::min<uint64_t>(plan_.size(), std::max<uint64_t>(film_.least_batches(), kForErrors)));
+  const std::lock_guard lock(mutex_);
+  late_notes_.push_back(nothing);
+}
+
+std::vector<std::string> Session::notes() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> all = kernel_.notes;
+  all.insert(all.end(), late_notes_.begin(), late_notes_.end());
+  return all;
+}
+
 void Session::work(int thread) {
   if (give_way_) {
     vernier::give_way();
@@ -159,6 +178,7 @@ void Session::work(int thread) {
     std::call_once(planned_, [&] {
       if (kernel_.make_plan != nullptr) {
         plan_of_method_ = kernel_.make_plan(context, plan_.front().seed, stats);
+        heed(*plan_of_method_);
       }
     });
     context.plan = plan_of_method_.get();

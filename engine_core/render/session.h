@@ -58,7 +58,8 @@ class Session {
   // Tiles that have changed since the last call.
   std::vector<Tile> take_tiles();
   // What the method leaves out in this scene, a sentence each.
-  const std::vector<std::string>& notes() const { return kernel_.notes; }
+  // Once it has begun there may be more of them.
+  std::vector<std::string> notes() const;
   // Empty, or why the render ended early.
   std::string error_message() const;
 
@@ -72,6 +73,8 @@ class Session {
   void work(int thread);
   void watch_the_time();
   void thread_ended(int count);
+  // Takes in what the method has found out beforehand; before any thread asks for a job.
+  void heed(const Plan& plan);
   double elapsed() const;
   void stop(Ending ending);
   // What every tile is to have next, by what the film says of the picture.
@@ -106,6 +109,7 @@ class Session {
   mutable std::mutex mutex_;
   std::condition_variable finished_;
   std::string error_message_;
+  std::vector<std::string> late_notes_;
   std::vector<bool> changed_;
 };
 

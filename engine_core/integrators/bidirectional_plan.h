@@ -1,6 +1,8 @@
 // What bidirectional methods learn of a scene before its first batch.
 #pragma once
 
+#include <algorithm>
+
 #include "integrators/integrator.h"
 #include "lights/emission_guide.h"
 
@@ -18,9 +20,15 @@ struct BidirectionalPlan : Plan {
   float footprint = 0.0f;
 
   // Whether a contribution, of which `weight` counts, is worth more work. What is small beside the
-  // picture is let go by chance, and raised where it stays; u is uniform in [0,1).
+  // picture is let go by chance, and raised where it stays; u is uniform in [0,1). Nothing stays of
+  // what float32 does not hold. Random numbers resolve no chances far below the least one.
   bool worthwhile(Color& c, double weight, float u) const {
-    const float p = max_component(c) * static_cast<float>(weight) * inverse_threshold;
+    constexpr float kLeastChance = 1e-6f;
+    const float most = max_component(c);
+    if (!(most > 0.0f)) {
+      return false;
+    }
+    const float p = std::max(most * static_cast<float>(weight) * inverse_threshold, kLeastChance);
     if (!(p < 1.0f)) {
       return true;
     }

@@ -37,7 +37,7 @@ void BidirectionalTracer<F, Observer, Sampler>::splat_vertex(const Walk& walk,
   }
   bool blocked = false;
   flux *= camera_transmittance<F.transparent>(
-      segments(), spawn_segment(c->p_lens - c->wi * c->clip_begin, v.point), &blocked);
+      segments(), spawn_segment(c->p_lens - c->wi * c->clip_begin, v.point, c->wi), &blocked);
   if (blocked || is_black(flux)) {
     return;
   }
@@ -102,7 +102,7 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
     return;
   }
   bool blocked = false;
-  c *= transmittance<F.transparent>(segments(), spawn_segment(v.point, y.point), walk.depth,
+  c *= transmittance<F.transparent>(segments(), spawn_segment(v.point, y.point, wi), walk.depth,
                                     &blocked);
   if (!blocked) {
     add_reaching(walk, kLobeAny, false,

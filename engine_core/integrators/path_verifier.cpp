@@ -212,12 +212,12 @@ bool PathVerifier::crossed_by_light(const Vertex& from, const Vertex* to, float 
   if (to == nullptr && distance == 0.0f) {
     const float depth = dot(from.made->point.p - scene_.camera->position(), scene_.camera->axis());
     const float cosine = -dot(from.to_camera, scene_.camera->axis());
-    camera_transmittance<true>(
-        context,
-        spawn_segment(from.made->point.p + from.to_camera * (depth / cosine), from.made->point),
-        &blocked);
+    camera_transmittance<true>(context,
+                               spawn_segment(from.made->point.p + from.to_camera * (depth / cosine),
+                                             from.made->point, from.to_camera),
+                               &blocked);
   } else {
-    Ray ray = to != nullptr ? spawn_segment(from.made->point, to->made->point)
+    Ray ray = to != nullptr ? spawn_segment(from.made->point, to->made->point, from.to_light)
                             : spawn_ray(from.made->point, from.to_light);
     if (to == nullptr && distance < kInfinity) {
       const Vec3f end = from.made->point.p + from.to_light * distance;

@@ -25,24 +25,28 @@ inline Ray spawn_ray(const SurfacePoint& from, Vec3f d) {
   return {offset_origin(from.p, from.p_error, from.ng, d), d, kInfinity};
 }
 
-// The end of a segment from `from` to the surface point p. A ray meets the plane of p with an error
-// of the size of its way there, which may be far larger than that of p: it must end before all of
-// that. (The intersection is a quotient of dot products with differences to the ray's origin, each
-// good to some 4 roundings, and p itself lies off the plane by its own error; 16 leave room.)
-inline Vec3f segment_end(Vec3f from, Vec3f p, Vec3f p_error, Vec3f ng) {
-  const Vec3f back = from - p;
-  return offset_origin(p, p_error + splat(gamma(16) * max_component(abs(back))), ng, back);
+// The end of a segment from `from` to the surface point p, on the side of it that `back` points to.
+// A ray meets the plane of p with an error of the size of its way there, which may be far larger
+// than that of p: it must end before all of that. (The intersection is a quotient of dot products
+// with differences to the ray's origin, each good to some 4 roundings, and p itself lies off the
+// plane by its own error; 16 leave room.)
+inline Vec3f segment_end(Vec3f from, Vec3f p, Vec3f p_error, Vec3f ng, Vec3f back) {
+  const float way = max_component(abs(from - p));
+  return offset_origin(p, p_error + splat(gamma(16) * way), ng, back);
 }
 
-// The segment between two surface points.
-inline Ray spawn_segment(const SurfacePoint& from, const SurfacePoint& to) {
-  const Vec3f o = offset_origin(from.p, from.p_error, from.ng, to.p - from.p);
-  return {o, segment_end(o, to.p, to.p_error, to.ng) - o, kOneMinusEpsilon};
+// The segment between two surface points. `wi` is the unit direction with which light is scattered
+// at both: each end lies on the side of its surface that scattering there was told of. (Where the
+// segment runs along a wall, rounding may see it on either side: if the ends did not keep to what
+// was seen, light would pass from one side of the wall to the other.)
+inline Ray spawn_segment(const SurfacePoint& from, const SurfacePoint& to, Vec3f wi) {
+  const Vec3f o = offset_origin(from.p, from.p_error, from.ng, wi);
+  return {o, segment_end(o, to.p, to.p_error, to.ng, -wi) - o, kOneMinusEpsilon};
 }
 
-// The segment from a point in free space to a surface point.
-inline Ray spawn_segment(Vec3f from, const SurfacePoint& to) {
-  return {from, segment_end(from, to.p, to.p_error, to.ng) - from, kOneMinusEpsilon};
+// The segment from a point in free space to a surface point, `back` the direction from there.
+inline Ray spawn_segment(Vec3f from, const SurfacePoint& to, Vec3f back) {
+  return {from, segment_end(from, to.p, to.p_error, to.ng, back) - from, kOneMinusEpsilon};
 }
 
 // The ray from a surface point to a light, ending just before it.
@@ -51,7 +55,7 @@ inline Ray spawn_shadow_ray(const SurfacePoint& from, const LightSample& light) 
   if (!(light.distance < kInfinity)) {
     return {o, light.wi, kInfinity};
   }
-  return {o, segment_end(o, light.p, light.p_error, light.n) - o, kOneMinusEpsilon};
+  return {o, segment_end(o, light.p, light.p_error, light.n, o - light.p) - o, kOneMinusEpsilon};
 }
 
 }  // namespace vernier

@@ -1,6 +1,7 @@
 // Which rays a scattering event makes, and when limits end a path.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -24,6 +25,10 @@ struct BounceLimits {
         transmission(limit(s.transmission_bounces)),
         transparent(limit(s.transparent_bounces)) {
     total += total < kNone ? 1 : 0;
+    // A counter that stays at its largest value must be beyond every limit.
+    for (int* most : {&total, &transparent}) {
+      *most = *most < kNone ? std::min(*most, kMostCounted - 1) : kNone;
+    }
   }
 
   // Whether a path that has bounced `depth` times may exist.
@@ -48,6 +53,7 @@ struct BounceLimits {
 
  private:
   static constexpr int kNone = std::numeric_limits<int>::max();
+  static constexpr int kMostCounted = std::numeric_limits<decltype(PathDepth::total)>::max();
   static int limit(int setting) { return setting < 0 ? kNone : setting; }
 };
 

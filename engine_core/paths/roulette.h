@@ -12,26 +12,32 @@ class Roulette {
  public:
   explicit Roulette(const Settings& settings)
       : threshold_(static_cast<float>(settings.roulette_threshold)),
-        start_(settings.roulette_start) {}
+        start_(settings.roulette_start),
+        long_path_(settings.max_bounces < 0 ? kLongPath : kNever),
+        long_passage_(settings.transparent_bounces < 0 ? kLongPath : kNever) {}
 
   // The probability of going on after `bounces` bounces, at vertex number `vertex`, for a path that
   // carries `carried` of what it started with. One that goes on is raised by its inverse.
   float survival(int bounces, uint32_t vertex, float carried) const {
     float p = bounces > start_ && carried < threshold_ ? carried / threshold_ : 1.0f;
-    if (vertex >= kLongPath) {
+    const auto scattered = static_cast<uint32_t>(bounces);
+    if (scattered >= long_path_ || vertex - std::min(scattered, vertex) >= long_passage_) {
       p = std::min(p, kLongPathSurvival);
     }
     return p;
   }
 
  private:
-  // Between surfaces that absorb nothing a path need never carry less, nor meet a light. From this
-  // vertex on it ends by chance whatever it carries.
-  static constexpr uint32_t kLongPath = 1024;
+  // Between surfaces that absorb nothing a path need never carry less, nor meet a light. Where no
+  // limit ends it, it ends by chance from this many surfaces of a kind on, whatever it carries.
+  // (Where one does, chance would only take light away: of what survives hundreds of such chances
+  // nothing is left to be seen, and what would be is too bright to be seen once.)
+  static constexpr uint32_t kLongPath = 1024, kNever = 0xffffffffu;
   static constexpr float kLongPathSurvival = 0.9f;
 
   float threshold_;
   int start_;
+  uint32_t long_path_, long_passage_;  // surfaces that scatter, and that let pass
 };
 
 }  // namespace vernier

@@ -54,6 +54,7 @@ EmissionPdf sphere_pdf(const Lamp& lamp, float cosine, float direction) {
 
 // Lines through a soft lamp at distance b < r from its centre light what is farther along them than
 // b^2 / sqrt(r^2 - b^2): from there the line meets the disk of radius r that faces the receiver.
+// For a receiver at distance t along it, it does so b^2 / t on the other side.
 float soft_lit_from(float b2, float r2) {
   const float rest = r2 - b2;
   return rest > 0.0f ? b2 / std::sqrt(rest) : kInfinity;
@@ -76,6 +77,7 @@ void emit_sphere(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, const Ve
     if (lamp.soft) {
       out.p = lamp.center + offset * lamp.radius;
       out.lit_from = lamp.radius * soft_lit_from(rho2, 1.0f);
+      out.behind = square(lamp.radius) * rho2;
     } else {
       out.n = normalize(offset + out.direction * safe_sqrt(1.0f - rho2));
       out.p = lamp.center + out.n * lamp.radius;

@@ -67,6 +67,8 @@ struct EmissionSample {
   // A soft lamp faces whatever it lights, so a line through it lights only what is farther than
   // this from p. What is hit nearer stays dark and ends the ray.
   float lit_from = 0;
+  // What is lit at distance t from p is lit from the lamp's disk, which is this over t before p.
+  float behind = 0;
   uint32_t light = kNoIndex;
   uint32_t instance = kNoIndex, triangle = kNoIndex;  // of emissive triangles
   uint32_t visibility = 0;                            // Visibility bits

@@ -7,6 +7,7 @@
 #include "paths/light_end.h"
 #include "paths/random_walk.h"
 #include "paths/subpath.h"
+#include "paths/visibility.h"
 
 namespace vernier {
 
@@ -18,9 +19,12 @@ template <class Client>
 struct LightVisitor {
   const LightEnds& ends;
   const EmissionSample& emission;
+  const SegmentContext segments;
+  Walk& walk_;
   Subpath& path;
   Client& client;
   MisDeparture departure{};
+  Color from_lamp = splat(1.0f);  // what of the lamp's light reaches the ray's start
 
   bool segment(const Walk&, const Ray&, bool) { return true; }
   PathVertex& vertex() { return path.append(); }
@@ -33,19 +37,37 @@ struct LightVisitor {
     if (walk.depth.total > 0) {
       v.mis = departure.arrive(ends.heuristic, static_cast<double>(walk.travelled),
                                static_cast<double>(abs_cosine(v.point, v.point.wo)), true);
-    } else if (walk.travelled > emission.lit_from) {
-      v.mis = first_from_light(ends, emission, v, walk.travelled);
     } else {
-      path.drop();
-      return false;
+      from_lamp = lit_through(walk.travelled);
+      if (is_black(from_lamp) && is_black(v.bsdf.transparency)) {
+        path.drop();
+        return false;
+      }
+      v.beta *= from_lamp;
+      v.mis = first_from_light(ends, emission, v, walk.travelled);
     }
     if (ends.merge_area > 0.0) {
       allow_merges(ends.heuristic, ends.merge_area, v);
     }
-    if (v.bsdf.connectible()) {
+    if (v.bsdf.connectible() && !is_black(v.beta)) {
       client.reached(walk, v);
     }
     return true;
+  }
+
+  // A soft lamp's light comes from before the start of the ray, by what is `behind`; what stands
+  // there is in its way.
+  Color lit_through(float travelled) const {
+    if (!(travelled > emission.lit_from)) {
+      return {};
+    }
+    if (!(emission.behind > 0.0f)) {
+      return splat(1.0f);
+    }
+    bool blocked = false;
+    const Ray back{emission.p, -emission.direction, emission.behind / travelled};
+    const Color passed = transmittance<true>(segments, back, PathDepth{}, &blocked);
+    return blocked ? Color{} : passed;
   }
 
   void pass(const PathVertex& v) {
@@ -55,6 +77,9 @@ struct LightVisitor {
   }
   void leave(const PathVertex& v, const BsdfSample& sample) {
     path.scatter();
+    if (v.parent == kNoIndex) {
+      walk_.beta *= from_lamp;
+    }
     departure = departure_of(ends.heuristic, v, sample);
   }
 };
@@ -88,7 +113,8 @@ void walk_from_light(const LightEnds& ends, const WalkContext<Sampler>& context,
   walk.mask = kVisibleDiffuse;  // evenly visible scenes: all kinds of scattered rays are alike
   walk.most_bounces = most_bounces;
   client.emitted(e);
-  LightVisitor<Client> visitor{ends, e, path, client};
+  LightVisitor<Client> visitor{ends, e,    {ends.scene, context.limits.transparent, context.rays},
+                               walk, path, client};
   random_walk(context, walk, visitor);
 }
 

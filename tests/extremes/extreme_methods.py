@@ -1,0 +1,55 @@
+"""What each method can find. One that is not named here is held to find everything."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from extreme_cases.case import Case, Needs
+
+import engine_core
+
+
+@dataclass(frozen=True)
+class Method:
+    lacks: Needs = Needs.NOTHING
+    #: Relative error that the method has by itself at a finite number of samples.
+    bias: float = 0.0
+    #: Joins every vertex to every other: long paths take the square of their length.
+    joins: bool = False
+
+
+METHODS = {
+    "WHITTED": Method(Needs.ALL_LIGHT | Needs.SOFT_LIGHT),
+    "LIGHT": Method(Needs.POLISHED | Needs.AIM | Needs.VIEW),
+    "BDPT": Method(joins=True),
+    # What it merges is blurred over the radius, which the few samples of a case leave large: some
+    # pixels' footprints, and so larger than the room where the view is widest.
+    "VCM": Method(Needs.AIM, bias=0.1, joins=True),
+}
+
+INTEGRATORS = [
+    identifier
+    for parameter in engine_core.parameters()
+    if parameter.name == "integrator"
+    for identifier, *_ in parameter.items
+]
+
+
+def method(integrator: str) -> Method:
+    return METHODS.get(integrator, Method())
+
+
+def methods_of(case: Case) -> list[str]:
+    """The methods for which the case makes sense."""
+    return [
+        name
+        for name in INTEGRATORS
+        if not case.needs & method(name).lacks and not (case.not_joined and method(name).joins)
+    ]
+
+
+def bounded_methods_of(case: Case) -> list[str]:
+    """Those of them that have it in the bounded run."""
+    if case.large:
+        return []
+    return [name for name in methods_of(case) if name == "PATH" or not case.deep]

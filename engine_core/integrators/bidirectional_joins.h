@@ -121,7 +121,7 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
   // Light would leak to where others of its vertices cannot be: round corners and edges, to the
   // next layer of what lies close, and through what is thin. So the surface must face about the
   // same way there (cosine), and lie about in the plane of this one (in radii).
-  constexpr float kLeastCosine = 0.8f, kMostOffset = 0.25f;
+  constexpr float kLeastCosine = 0.5f, kMostOffset = 0.5f;
   const float radius = light_vertices_->radius() * merge_scale(v);
   const float radius_squared = square(radius);
   const double area = merge_area_ * square(static_cast<double>(merge_scale(v)));
@@ -154,6 +154,7 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
       y.ratios().sum(heuristic_, static_cast<double>(eval.pdf));
   FoundPath path{y.bounces + 2, walk.depth.total + 2, kNoIndex, nullptr, &v, y.wi, 0.0f, others, c};
   path.merged = true;
+  path.light_path = y.path;
   add_reaching(walk, kLobeAny, walk.depth.total == 0 && y.bounces == 0, std::move(path));
 }
 

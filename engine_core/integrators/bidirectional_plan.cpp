@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "integrators/bidirectional_tracer.h"
+#include "integrators/light_vertices.h"
 #include "math/float_environment.h"
 #include "math/parallel.h"
 
@@ -17,6 +18,8 @@ constexpr double kPilotPart = 1.0 / 64.0;
 constexpr int kLeastLog2 = 10, kMostLog2 = 14;
 // The part of them, one in this many, that finds out where to aim; the rest is aimed.
 constexpr uint32_t kAimingPart = 4;
+// Merges of the pilot reach so much farther than those of a picture with as many pixels would.
+constexpr float kPilotBlur = 2.0f;
 // A contribution is small where it is below this part of the picture's mean. Measured by error
 // times processor time: 0.03, 0.1 and 0.3 differ by a fifth at the most in the Cornell box and the
 // caustics, and 0.1 is the best of them on both together.
@@ -36,49 +39,69 @@ constexpr double kLeastGuided = 0.01;
 constexpr float kGuided = 0.75f;
 
 using Cells = std::vector<float>;
+constexpr size_t kMostCells = DirectionGuide::kResolution * DirectionGuide::kResolution;
+static_assert(PlaceGuide::kResolution <= DirectionGuide::kResolution);
+
+// Where a path from a light begins: in which cell of what guides that light, or none.
+struct Origin {
+  uint32_t light = kNoIndex;
+  bool guided = false;
+  size_t cell = 0;
+
+  Origin() = default;
+  Origin(const EmissionGuide& guide, const EmissionSample& e) : light(e.light) {
+    if (!e.infinite) {
+      guided = !e.delta_direction;
+      cell = DirectionGuide::cell(e.direction);
+    } else if (guide.share > 0.0f) {
+      const Vec2f q = guide.place_of(e.p, e.direction);
+      guided = PlaceGuide::contains(q);
+      cell = guided ? PlaceGuide::cell(q) : 0;
+    }
+  }
+};
 
 // Adds up what each light does for the picture.
 struct LightTally {
   std::vector<double> by_light;
   double total = 0.0;
-  // What paths that started at the light have found, by light and by cell of their direction.
-  std::vector<Cells> by_direction;
+  // What paths that started at the light have found, by light and by cell.
+  std::vector<Cells> by_cell;
   std::vector<double> from_light;
-  const EmissionSample* emission = nullptr;
-  size_t cell = 0;
+  const EmissionGuide* guide = nullptr;          // null: what cells there are is not known yet
+  const std::vector<Origin>* origins = nullptr;  // of the paths that are merged with others
+  Origin own;                                    // of the sample's
 
-  explicit LightTally(uint32_t lights)
-      : by_light(lights), by_direction(lights), from_light(lights) {}
+  explicit LightTally(uint32_t lights) : by_light(lights), by_cell(lights), from_light(lights) {}
 
   void add(const LightTally& other) {
     total += other.total;
     for (size_t light = 0; light < by_light.size(); ++light) {
       by_light[light] += other.by_light[light];
       from_light[light] += other.from_light[light];
-      const Cells& cells = other.by_direction[light];
-      by_direction[light].resize(std::max(by_direction[light].size(), cells.size()));
+      const Cells& cells = other.by_cell[light];
+      by_cell[light].resize(std::max(by_cell[light].size(), cells.size()));
       for (size_t i = 0; i < cells.size(); ++i) {
-        by_direction[light][i] += cells[i];
+        by_cell[light][i] += cells[i];
       }
     }
   }
 
-  void emitted(const EmissionSample& e) {
-    emission = e.infinite || e.delta_direction ? nullptr : &e;
-    cell = DirectionGuide::cell(e.direction);
-  }
+  void emitted(const EmissionSample& e) { own = guide ? Origin(*guide, e) : Origin(); }
 
   void found(const FoundPath& path) {
     const auto amount = static_cast<double>(max_component(path.contribution));
     total += amount;
-    if (path.light < by_light.size()) {
-      by_light[path.light] += amount;
+    const Origin& origin = path.merged ? (*origins)[path.light_path] : own;
+    const uint32_t light = path.merged ? origin.light : path.light;
+    if (light == kNoIndex) {
+      return;
     }
-    if (path.s >= 2 && emission != nullptr) {
-      Cells& cells = by_direction[path.light];
-      cells.resize(DirectionGuide::kResolution * DirectionGuide::kResolution);
-      cells[cell] += static_cast<float>(amount);
-      from_light[path.light] += amount;
+    by_light[light] += amount;
+    if (path.s >= 2 && origin.guided) {
+      by_cell[light].resize(kMostCells);
+      by_cell[light][origin.cell] += static_cast<float>(amount);
+      from_light[light] += amount;
     }
   }
 };
@@ -150,9 +173,8 @@ void choose_by(const LightTally& tally, EmissionGuide& guide) {
 }
 
 // Each cell's value shared with its eight neighbours: what one path found tells of those beside it.
-Cells blurred(const Cells& cells) {
-  constexpr int n = DirectionGuide::kResolution;
-  Cells result(cells.size());
+PiecewiseConstant2D blurred(const Cells& cells, int n) {
+  Cells result(static_cast<size_t>(n * n));
   for (int y = 0; y < n; ++y) {
     for (int x = 0; x < n; ++x) {
       const float value = cells[static_cast<size_t>(y * n + x)] / 9.0f;
@@ -164,11 +186,11 @@ Cells blurred(const Cells& cells) {
       }
     }
   }
-  return result;
+  return PiecewiseConstant2D(result, n, n);
 }
 
 // Directs the lights that matter most to where their paths were of use.
-void direct_by(const LightTally& tally, EmissionGuide& guide) {
+void direct_by(const LightTally& tally, const LightSampler& lights, EmissionGuide& guide) {
   std::vector<uint32_t> order;
   double total = 0.0;
   for (uint32_t light = 0; light < tally.from_light.size(); ++light) {
@@ -179,16 +201,20 @@ void direct_by(const LightTally& tally, EmissionGuide& guide) {
     return tally.from_light[a] > tally.from_light[b];
   });
   guide.directions_of.assign(order.size(), EmissionGuide::kNone);
+  guide.places_of = guide.directions_of;
   for (const uint32_t light : order) {
-    if (guide.directions.size() == kMostGuided ||
+    if (guide.directions.size() + guide.places.size() == kMostGuided ||
         !(tally.from_light[light] > kLeastGuided * total)) {
       break;
     }
+    if (lights.is_infinite(light)) {
+      guide.places_of[light] = static_cast<uint32_t>(guide.places.size());
+      guide.places.push_back({blurred(tally.by_cell[light], PlaceGuide::kResolution), kGuided});
+      continue;
+    }
     guide.directions_of[light] = static_cast<uint32_t>(guide.directions.size());
     guide.directions.push_back(
-        {PiecewiseConstant2D(blurred(tally.by_direction[light]), DirectionGuide::kResolution,
-                             DirectionGuide::kResolution),
-         kGuided});
+        {blurred(tally.by_cell[light], DirectionGuide::kResolution), kGuided});
   }
 }
 
@@ -201,7 +227,11 @@ struct Findings {
   explicit Findings(uint32_t lights) : tally(lights) {}
 };
 
+// A sequence of its own: no sample of the picture sees these numbers.
+uint64_t pilot_seed(uint64_t seed) { return hash64(~seed); }
+
 // Samples `first` to `last` of the pilot, spread over the picture, by the plan in `context`.
+template <bool kMerging>
 void run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, uint32_t first,
                uint32_t last, Findings& found) {
   const FlushDenormals flush;
@@ -209,15 +239,14 @@ void run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, ui
   const std::array<int32_t, 4>& crop = scene.film.crop;
   BidirectionalMemory memory;
   for (uint32_t i = first; i < last && !context.cancelled; ++i) {
-    // A sequence of its own: no sample of the picture sees these numbers.
-    const SobolSampler sampler(0, 0, i, log2_samples, hash64(~seed));
+    const SobolSampler sampler(0, 0, i, log2_samples, pilot_seed(seed));
     const Vec2f u = sampler.get_2d(dimension(CameraDim::kFilter));
     const Vec2f raster{lerp(static_cast<float>(crop[0]), static_cast<float>(crop[2]), u.x),
                        lerp(static_cast<float>(crop[1]), static_cast<float>(crop[3]), u.y)};
     const CameraRay ray =
         scene.camera->generate_ray(raster, sampler.get_2d(dimension(CameraDim::kLens)));
     NoPassSample no_passes;
-    BidirectionalTracer<BidirectionalFeatures{false, true}, LightTally>(
+    BidirectionalTracer<BidirectionalFeatures{false, true, kMerging}, LightTally>(
         context, sampler, found.stats, nullptr, no_passes, memory, found.tally)
         .run(ray);
     const Subpath& path = memory.camera;
@@ -229,7 +258,7 @@ void run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, ui
 
 // The same on all threads. Parts are added in their order: the plan does not depend on the threads.
 Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, uint32_t first,
-                   uint32_t last) {
+                   uint32_t last, const EmissionGuide* cells, const std::vector<Origin>* origins) {
   constexpr uint32_t kParts = 16;
   const uint32_t lights = context.scene.lights->count();
   std::vector<Findings> parts(kParts, Findings(lights));
@@ -237,7 +266,10 @@ Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples
     return first + static_cast<uint32_t>((last - first) * part / kParts);
   };
   parallel_for(kParts, context.settings.threads, [&](size_t i) {
-    run_pilot(context, seed, log2_samples, bound(i), bound(i + 1), parts[i]);
+    parts[i].tally.guide = cells;
+    parts[i].tally.origins = origins;
+    const auto run = context.light_pass != nullptr ? run_pilot<true> : run_pilot<false>;
+    run(context, seed, log2_samples, bound(i), bound(i + 1), parts[i]);
   });
   Findings all(lights);
   for (const Findings& part : parts) {
@@ -249,6 +281,31 @@ Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples
   return all;
 }
 
+// Makes the light pass, on all threads. Returns where its paths begin.
+std::vector<Origin> trace_light(const RenderContext& context, LightVertices& vertices, size_t paths,
+                                RenderStats& stats) {
+  for (int stage = 0; stage < vertices.stages(); ++stage) {
+    std::vector<RenderStats> done(vertices.jobs(stage));
+    parallel_for(done.size(), context.settings.threads, [&](size_t job) {
+      const FlushDenormals flush;
+      vertices.run(stage, job, context, done[job]);
+    });
+    for (const RenderStats& of_job : done) {
+      stats.rays += of_job.rays;
+      stats.non_finite += of_job.non_finite;
+    }
+  }
+  const EmissionGuide& guide = static_cast<const BidirectionalPlan&>(*context.plan).guide;
+  std::vector<Origin> origins(paths);
+  for (size_t i = 0; i < paths; ++i) {
+    EmissionSample e;
+    if (emit(*context.scene.lights, guide, vertices.sampler(i), e)) {
+      origins[i] = Origin(guide, e);
+    }
+  }
+  return origins;
+}
+
 }  // namespace
 
 std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context, uint64_t seed,
@@ -257,22 +314,33 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
   auto plan = std::make_unique<BidirectionalPlan>();
   plan->guide = scene.lights->guide_by_power();
   const std::array<int32_t, 4>& crop = scene.film.crop;
-  const double samples = static_cast<double>(crop[2] - crop[0]) *
-                         static_cast<double>(crop[3] - crop[1]) * context.settings.samples;
+  const double pixels =
+      static_cast<double>(crop[2] - crop[0]) * static_cast<double>(crop[3] - crop[1]);
+  const double samples = pixels * context.settings.samples;
   const int log2_samples =
       std::clamp(std::ilogb(std::max(samples * kPilotPart, 1.0)), kLeastLog2, kMostLog2);
   const uint32_t count = 1u << log2_samples;
   const uint32_t aiming = count / kAimingPart;
-  // Merges need all light paths of a batch: the pilot has the other techniques only.
   Settings settings = context.settings;
-  if (static_cast<IntegratorKind>(settings.integrator) == IntegratorKind::kVcm) {
-    settings.integrator = static_cast<int>(IntegratorKind::kBdpt);
-  }
-  const RenderContext pilot{scene, settings, context.filter, context.cancelled, plan.get()};
-  Findings unaimed = run_pilot(pilot, seed, log2_samples, 0, aiming);
+  settings.vcm_connections = 1;  // what joins find as well tells where light comes from
+  RenderContext pilot{scene, settings, context.filter, context.cancelled, plan.get()};
+  Findings unaimed = run_pilot(pilot, seed, log2_samples, 0, aiming, nullptr, nullptr);
   plan->footprint = median_footprint(unaimed.points, *scene.camera);
   aim_at(unaimed.points, scene, plan->guide);
-  const Findings aimed = run_pilot(pilot, seed, log2_samples, aiming, count);
+  const TechniqueSet techniques(settings, scene.requirements);
+  // As a picture of so many pixels would have it.
+  const float radius = merge_radius(
+      settings,
+      plan->footprint * kPilotBlur * static_cast<float>(std::sqrt(pixels / (count - aiming))), 0);
+  LightVertices vertices(techniques, pilot_seed(seed), log2_samples, aiming, count - aiming,
+                         radius);
+  std::vector<Origin> origins;
+  if (techniques.merges) {
+    origins = trace_light(pilot, vertices, count - aiming, stats);
+    pilot.light_pass = &vertices;
+  }
+  const Findings aimed =
+      run_pilot(pilot, seed, log2_samples, aiming, count, &plan->guide, &origins);
   for (const Findings* found : {&std::as_const(unaimed), &aimed}) {
     stats.rays += found->stats.rays;
     stats.non_finite += found->stats.non_finite;
@@ -281,7 +349,7 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
   if (tally.total > 0.0) {
     plan->inverse_threshold = static_cast<float>((count - aiming) / (kSmallPart * tally.total));
     choose_by(tally, plan->guide);
-    direct_by(tally, plan->guide);
+    direct_by(tally, *scene.lights, plan->guide);
   }
   return plan;
 }

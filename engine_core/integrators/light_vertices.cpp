@@ -12,15 +12,8 @@ namespace {
 // Paths of a job.
 constexpr size_t kPathsOfPart = 1024;
 
-// The radius of a sample's merges: its square shrinks with the number of the sample, from 1, to the
-// power of alpha - 1 (Kaplanyan and Dachsbacher 2013, equation 20; memoryless as in Knaus and
-// Zwicker 2011: no sample need know what the others found).
-float merge_radius(const Settings& settings, float footprint, uint32_t sample) {
-  const double shrunk =
-      std::pow(static_cast<double>(sample) + 1.0, 0.5 * (settings.merge_alpha - 1.0));
-  const double radius = settings.merge_radius * static_cast<double>(footprint) * shrunk;
-  // What the grid can hold: beyond all scenes.
-  return radius >= 1e-18 ? static_cast<float>(std::min(radius, 1e18)) : 0.0f;
+size_t pixels_of(const std::array<int32_t, 4>& crop) {
+  return static_cast<size_t>(crop[2] - crop[0]) * static_cast<size_t>(crop[3] - crop[1]);
 }
 
 float as_float(double ratio) {
@@ -32,6 +25,7 @@ float as_float(double ratio) {
 struct Collector {
   std::vector<Vec3f>& positions;
   std::vector<LightVertex>& vertices;
+  uint32_t path = 0;
 
   void emitted(const EmissionSample&) {}
   void reached(const Walk& walk, const PathVertex& v) {
@@ -41,27 +35,52 @@ struct Collector {
     const MergeRatios ratios = v.mis.beside_merge();
     positions.push_back(v.point.p);
     vertices.push_back({v.point.ng, v.point.wo, v.beta, as_float(ratios.neighbour),
-                        as_float(ratios.chain), walk.depth.total});
+                        as_float(ratios.chain), path, walk.depth.total});
   }
 };
 
 }  // namespace
 
+float merge_radius(const Settings& settings, float footprint, uint32_t sample) {
+  const double shrunk =
+      std::pow(static_cast<double>(sample) + 1.0, 0.5 * (settings.merge_alpha - 1.0));
+  const double radius = settings.merge_radius * static_cast<double>(footprint) * shrunk;
+  // What the grid can hold: beyond all scenes.
+  return radius >= 1e-18 ? static_cast<float>(std::min(radius, 1e18)) : 0.0f;
+}
+
+LightVertices::LightVertices(const TechniqueSet& techniques, const Crop& crop, uint64_t seed,
+                             int log2_capacity, uint32_t first, size_t count, float radius)
+    : techniques_(techniques),
+      crop_(crop),
+      seed_(seed),
+      log2_capacity_(log2_capacity),
+      first_(first),
+      paths_(count),
+      radius_(radius),
+      area_(static_cast<double>(count) * static_cast<double>(kPi) *
+            square(static_cast<double>(radius))),
+      parts_((count + kPathsOfPart - 1) / kPathsOfPart),
+      grid_build_(std::in_place, grid_, std::span<const Vec3f>{}, radius) {}
+
 LightVertices::LightVertices(const RenderContext& context, const Batch& batch)
-    : batch_(batch),
-      techniques_(context.settings, context.scene.requirements),
-      width_(context.scene.film.crop[2] - context.scene.film.crop[0]),
-      left_(context.scene.film.crop[0]),
-      bottom_(context.scene.film.crop[1]),
-      paths_(static_cast<size_t>(width_) *
-             static_cast<size_t>(context.scene.film.crop[3] - context.scene.film.crop[1])),
-      radius_(merge_radius(context.settings,
-                           static_cast<const BidirectionalPlan&>(*context.plan).footprint,
-                           batch.first)),
-      area_(static_cast<double>(paths_) * static_cast<double>(kPi) *
-            square(static_cast<double>(radius_))),
-      parts_((paths_ + kPathsOfPart - 1) / kPathsOfPart),
-      grid_build_(std::in_place, grid_, std::span<const Vec3f>{}, radius_) {}
+    : LightVertices(TechniqueSet(context.settings, context.scene.requirements),
+                    context.scene.film.crop, batch.seed, batch.log2_capacity, batch.point,
+                    pixels_of(context.scene.film.crop),
+                    merge_radius(context.settings,
+                                 static_cast<const BidirectionalPlan&>(*context.plan).footprint,
+                                 batch.first)) {}
+
+SobolSampler LightVertices::sampler(size_t i) const {
+  const auto number = static_cast<uint32_t>(i);
+  if (crop_[0] == crop_[2]) {
+    return {0, 0, first_ + number, log2_capacity_, seed_};
+  }
+  // The very path that the pixel's own sample joins to the camera's.
+  const auto width = static_cast<uint32_t>(crop_[2] - crop_[0]);
+  return {static_cast<uint32_t>(crop_[0]) + number % width,
+          static_cast<uint32_t>(crop_[1]) + number / width, first_, log2_capacity_, seed_};
+}
 
 int LightVertices::stages() const { return radius_ > 0.0f ? kGrid + grid_build_->stages() : 0; }
 
@@ -113,17 +132,14 @@ void LightVertices::trace(Part& part, size_t first, size_t last, const RenderCon
   Subpath path;
   Collector collector{part.positions, part.vertices};
   for (size_t i = first; i < last && !context.cancelled; ++i) {
-    // The very path that the pixel's own sample joins to the camera's.
-    const auto x = static_cast<uint32_t>(left_ + static_cast<int>(i % static_cast<size_t>(width_)));
-    const auto y =
-        static_cast<uint32_t>(bottom_ + static_cast<int>(i / static_cast<size_t>(width_)));
-    const SobolSampler sampler(x, y, batch_.point, batch_.log2_capacity, batch_.seed);
+    const SobolSampler numbers = sampler(i);
     const WalkContext walks{context.scene,
-                            sampler,
+                            numbers,
                             context.cancelled,
                             BounceLimits(context.settings),
                             Roulette(context.settings),
                             stats.rays};
+    collector.path = static_cast<uint32_t>(i);
     path.clear();
     walk_from_light(ends, walks, path, stats.non_finite, collector);
   }

@@ -299,6 +299,9 @@ void PathVerifier::found(const FoundPath& found) {
   if (is_black(found.contribution)) {
     return;  // joined, but something is in between
   }
+  if (found.merged) {
+    return;  // there is no one vertex where the two sub-paths meet
+  }
   ++report_.techniques[{found.s, found.t}];
   const std::vector<Vertex> vertices = vertices_of(found);
   if (vertices.empty() || found.light == kNoIndex) {

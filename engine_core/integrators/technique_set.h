@@ -64,7 +64,7 @@ struct BidirectionalMemory {
 // One way of making a path, as it is found: what an observer is told.
 struct FoundPath {
   int s, t;             // vertices from the light, from the camera; merged: one is of both
-  uint32_t light;       // kNoIndex: emission that no light stands for
+  uint32_t light;       // kNoIndex: merged, or emission that no light stands for
   const PathVertex* y;  // the light's sub-path ends here; null: s < 2
   const PathVertex* z;  // the camera's sub-path ends here; null: t = 1, or t = 2 and s = 0
   Vec3f wi;             // s < 2: from z to the light, unit
@@ -73,6 +73,7 @@ struct FoundPath {
   Color contribution;   // weighted
   Vec2f raster = {};    // t = 1: where it was splatted, pixels of the full frame
   bool merged = false;
+  uint32_t light_path = kNoIndex;  // merged: which of the batch
 };
 
 // An observer that looks away.

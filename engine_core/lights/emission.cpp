@@ -114,20 +114,31 @@ void emit_area(const Lamp& lamp, Vec2f u_position, Vec2f u_direction, const Vec3
 float disk_density(float radius) { return bounded_density(kInvPi / radius / radius); }
 
 // Density, over area across a distant light's rays, of one that passes the guide's centre at
-// distance rho.
-float ring_density(const EmissionGuide& guide, float rho) {
+// distance rho, and at q of its square where there is a `place`.
+float aimed_density(const EmissionGuide& guide, const PlaceGuide* place, Vec2f q, float rho) {
+  float density = 0.0f;
   if (rho <= guide.radius) {
-    return guide.share * disk_density(guide.radius);
+    density = guide.share * (place ? 1.0f - place->share : 1.0f) * disk_density(guide.radius);
+  } else if (rho <= guide.reach) {
+    density =
+        (1.0f - guide.share) * 0.5f * disk_density(rho) / std::log(guide.reach / guide.radius);
   }
-  return rho <= guide.reach ? (1.0f - guide.share) * 0.5f * disk_density(rho) /
-                                  std::log(guide.reach / guide.radius)
-                            : 0.0f;
+  if (place) {
+    density +=
+        guide.share * place->share * bounded_density(place->pdf(q) / guide.radius / guide.radius);
+  }
+  return density;
 }
 
-// The same for the ray through p along d.
-float afar_density(const LightTable& table, const EmissionGuide& guide, Vec3f p, Vec3f d) {
-  return guide.share > 0.0f ? ring_density(guide, length(cross(p - guide.center, d)))
-                            : disk_density(table.radius);
+// The same for the ray of `light` through p along d.
+float afar_density(const LightTable& table, const EmissionGuide& guide, uint32_t light, Vec3f p,
+                   Vec3f d) {
+  if (!(guide.share > 0.0f)) {
+    return disk_density(table.radius);
+  }
+  const PlaceGuide* place = guide.place(light);
+  return aimed_density(guide, place, place ? guide.place_of(p, d) : Vec2f{},
+                       length(cross(p - guide.center, d)));
 }
 
 // A ray along d, from before the bounding sphere. Returns its density over the area across it.
@@ -138,15 +149,24 @@ float emit_from_afar(const LightTable& table, const EmissionGuide& guide, Vec2f 
   float density = disk_density(table.radius);
   if (guide.share > 0.0f) {
     center = guide.center;
-    if (u.x < guide.share) {
-      offset = square_to_disk({u.x / guide.share, u.y}) * guide.radius;
-      density = guide.share * disk_density(guide.radius);
+    const PlaceGuide* place = guide.place(out.light);
+    const float by_place = place ? guide.share * place->share : 0.0f;
+    Vec2f q;
+    float rho;
+    if (u.x < by_place) {
+      q = place->sample({u.x / by_place, u.y});
+      rho = guide.radius * std::sqrt(q.x * q.x + q.y * q.y);
+    } else if (u.x < guide.share) {
+      q = square_to_disk({(u.x - by_place) / (guide.share - by_place), u.y});
+      rho = std::min(guide.radius * std::sqrt(q.x * q.x + q.y * q.y), guide.radius);
     } else {
       const float outward = (u.x - guide.share) / (1.0f - guide.share);
-      const float rho = guide.radius * std::pow(guide.reach / guide.radius, outward);
-      offset = Vec2f{std::cos(kTwoPi * u.y), std::sin(kTwoPi * u.y)} * rho;
-      density = ring_density(guide, std::max(rho, std::nextafter(guide.radius, kInfinity)));
+      rho = std::max(guide.radius * std::pow(guide.reach / guide.radius, outward),
+                     std::nextafter(guide.radius, kInfinity));
+      q = Vec2f{std::cos(kTwoPi * u.y), std::sin(kTwoPi * u.y)} * (rho / guide.radius);
     }
+    offset = q * guide.radius;
+    density = aimed_density(guide, place, q, rho);
   } else {
     offset = square_to_disk(u) * table.radius;
   }
@@ -178,8 +198,9 @@ EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n
 
 // Density of a lamp's rays, by area across them and solid angle (where one of the two is a delta:
 // by the other alone). `direction` as above. The cosine at a sphere cancels.
-float lamp_ray_pdf(const LightTable& table, const EmissionGuide& guide, const Lamp& lamp, Vec3f p,
+float lamp_ray_pdf(const LightTable& table, const EmissionGuide& guide, uint32_t light, Vec3f p,
                    Vec3f d, float direction) {
+  const Lamp& lamp = table.lamp(light);
   switch (lamp.kind) {
     case LightKind::kPoint:
     case LightKind::kSpot: {
@@ -196,7 +217,7 @@ float lamp_ray_pdf(const LightTable& table, const EmissionGuide& guide, const La
                         : (cosine > 0.0f ? direction / (cosine * lamp.area) : 0.0f);
     }
     case LightKind::kSun:
-      return afar_density(table, guide, p, d) * (lamp.delta ? 1.0f : pdf_sun(lamp));
+      return afar_density(table, guide, light, p, d) * (lamp.delta ? 1.0f : pdf_sun(lamp));
   }
   return 0.0f;
 }
@@ -244,11 +265,11 @@ float LightSampler::pdf_emission_ray(const EmissionGuide& guide, uint32_t light,
     return selection * density * bounded_density(1.0f / triangle.area);
   }
   if (table.is_environment(light)) {
-    return selection * afar_density(table, guide, p, direction) *
+    return selection * afar_density(table, guide, light, p, direction) *
            table.environment.pdf_direction(-direction);
   }
   const Lamp& lamp = table.lamp(light);
-  return selection * lamp_ray_pdf(table, guide, lamp, p, direction,
+  return selection * lamp_ray_pdf(table, guide, light, p, direction,
                                   guided(aim, direction_pdf(lamp, direction), direction));
 }
 

@@ -84,6 +84,15 @@ struct LightVisitor {
   }
 };
 
+// How a path from a light starts, by the sampler's numbers. False: there is none.
+template <class Sampler>
+bool emit(const LightSampler& lights, const EmissionGuide& guide, const Sampler& sampler,
+          EmissionSample& out) {
+  return lights.sample_emission(guide, sampler.get_2d(dimension(LightDim::kChoice)).x,
+                                sampler.get_2d(dimension(LightDim::kPosition)),
+                                sampler.get_2d(dimension(LightDim::kDirection)), out);
+}
+
 // Starts a path at a light and follows it. `path`, empty before, gets its vertices. `non_finite`
 // counts the paths that were dropped because what they carry is not finite. It bounces no more than
 // `most_bounces` times.
@@ -91,12 +100,8 @@ template <class Sampler, class Client>
 void walk_from_light(const LightEnds& ends, const WalkContext<Sampler>& context, Subpath& path,
                      uint64_t& non_finite, Client& client,
                      int most_bounces = std::numeric_limits<int>::max()) {
-  const Sampler& sampler = context.sampler;
   EmissionSample e;
-  if (!ends.scene.lights->sample_emission(ends.guide,
-                                          sampler.get_2d(dimension(LightDim::kChoice)).x,
-                                          sampler.get_2d(dimension(LightDim::kPosition)),
-                                          sampler.get_2d(dimension(LightDim::kDirection)), e)) {
+  if (!emit(*ends.scene.lights, ends.guide, context.sampler, e)) {
     return;
   }
   Walk walk;

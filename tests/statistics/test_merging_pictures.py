@@ -1,0 +1,90 @@
+"""Vertex connection and merging makes the path tracer's pictures, but for the blur of its radius.
+
+Where light falls evenly there is nothing to blur, and the pictures agree at any radius. Elsewhere
+the bias is bounded: a merge takes the light about a point for that which falls on it, and what lies
+beyond an edge for dark.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from bidirectional_scenes import MATERIALS, SUN, build, look_at
+from scenes import SceneBuilder, background, picture, pictures, quad
+from statistics_tools import Array, assert_equal_means
+
+SEEDS = 6
+SAMPLES = 48
+#: What merges find alone, and beside the techniques that join.
+METHODS = {"merging": {"vcm_connections": 0}, "both": {}}
+#: Of the bluntest kinds of scattering down to narrow lobes, of both sides of a surface, and such as
+#: only one of the two sub-paths may meet.
+EVEN = [
+    "diffuse",
+    "oren_nayar",
+    "glossy",
+    "near_mirror",
+    "rough_glass",
+    "bump_diffuse",
+    "sheen",
+    "principled_coat",
+    "principled_alpha",
+    "diffuse_and_mirror",
+    "diffuse_and_translucent",
+    "fresnel",
+    "facing",
+    "backfacing_glass",
+    "light_path_diffuse",
+]
+
+
+def between_sheets(material: str) -> SceneBuilder:
+    """A floor under a half clear ceiling, both endless: on either the light is even."""
+    scene = SceneBuilder((12, 12))
+    scene.add(quad((-20, -20, 0), (40, 0, 0), (0, 40, 0)), MATERIALS[material])
+    scene.add(quad((-20, -20, 2), (40, 0, 0), (0, 40, 0)), MATERIALS["half_clear"])
+    toward = look_at((0.8, -0.9, 2.2), (0, 0.2, 0.4))
+    scene.light("SUN", transform=toward, emission=SUN, sun_angle=0.5)
+    scene.description.world = background(0.8, (0.5, 0.7, 1.0))
+    scene.camera((0, -1.2, 0.9), (0, 0, 0), fov=20)
+    return scene
+
+
+@cache
+def even_reference(material: str) -> Array:
+    return pictures(between_sheets(material), SEEDS, samples=SAMPLES, max_bounces=3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("material", EVEN)
+def test_even_light_is_not_blurred(material: str, method: str) -> None:
+    """At a radius that spans a sixth of the picture."""
+    merged = pictures(
+        between_sheets(material),
+        SEEDS,
+        integrator="VCM",
+        samples=SAMPLES,
+        max_bounces=3,
+        merge_radius=4.0,
+        merge_alpha=1.0,
+        **METHODS[method],
+    )
+    assert_equal_means(even_reference(material), merged, block=6)
+
+
+def test_without_merging_it_is_bidirectional_path_tracing() -> None:
+    """To the last bit, on one thread: splats of several are summed in any order."""
+    scene = build("principled", "many")
+    settings = {"samples": 8, "threads": 1}
+    joined = picture(scene, integrator="BDPT", **settings)
+    for off in ({"vcm_merging": 0}, {"merge_radius": 0.0}):
+        np.testing.assert_array_equal(picture(scene, integrator="VCM", **off, **settings), joined)
+
+
+def test_threads_leave_the_picture() -> None:
+    scene = build("rough_glass", "many")
+    settings = {"integrator": "VCM", "samples": 4}
+    one, three = (picture(scene, threads=threads, **settings) for threads in (1, 3))
+    np.testing.assert_allclose(three, one, rtol=1e-6, atol=1e-9)

@@ -29,6 +29,7 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
   RenderStats stats;
   BidirectionalPlan plan;
   plan.guide = scene->lights->guide_by_power();
+  plan.footprint = scene->camera->footprint(scene->center);
   if (pilot) {
     const auto made = make_bidirectional_plan(context, static_cast<uint64_t>(settings.seed), stats);
     plan = static_cast<const BidirectionalPlan&>(*made);
@@ -38,9 +39,29 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
   const auto& crop = scene->film.crop;
   SplatFrame splats(crop[2] - crop[0], crop[3] - crop[1], false);
   BidirectionalMemory memory;
-  PathVerifier verifier(*scene, settings, plan.guide, memory, tolerance);
+  // Merged with what paths of a batch of their own leave.
+  LightVertices vertices(context, Batch{.seed = ~static_cast<uint64_t>(settings.seed)});
+  const bool merges = TechniqueSet(settings, scene->requirements).merges;
+  for (int stage = 0; merges && stage < vertices.stages(); ++stage) {
+    for (size_t job = 0; job < vertices.jobs(stage); ++job) {
+      vertices.run(stage, job, context, stats);
+    }
+  }
+  context.light_pass = &vertices;
+  PathVerifier verifier(*scene, settings, plan.guide, memory, tolerance,
+                        merges ? vertices.area() : 0.0);
   NoPassSample passes;
-  constexpr BidirectionalFeatures kFeatures{false, true};
+  const auto trace = [&](const CameraRay& ray, const SobolSampler& sampler) {
+    if (merges) {
+      BidirectionalTracer<BidirectionalFeatures{false, true, true}, PathVerifier>(
+          context, sampler, stats, &splats, passes, memory, verifier)
+          .run(ray);
+    } else {
+      BidirectionalTracer<BidirectionalFeatures{false, true}, PathVerifier>(
+          context, sampler, stats, &splats, passes, memory, verifier)
+          .run(ray);
+    }
+  };
   for (int y = crop[1]; y < crop[3]; ++y) {
     for (int x = crop[0]; x < crop[2]; ++x) {
       for (uint32_t i = 0; i < samples; ++i) {
@@ -51,9 +72,7 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
         const CameraRay ray = scene->camera->generate_ray(
             {static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y},
             sampler.get_2d(dimension(CameraDim::kLens)));
-        BidirectionalTracer<kFeatures, PathVerifier>(context, sampler, stats, &splats, passes,
-                                                     memory, verifier)
-            .run(ray);
+        trace(ray, sampler);
       }
     }
   }

@@ -48,7 +48,7 @@ struct PathVerifier::End {
 };
 
 PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
-                           const BidirectionalMemory& memory, double tolerance)
+                           const BidirectionalMemory& memory, double tolerance, double merge_area)
     : scene_(scene),
       techniques_(settings, scene.requirements),
       heuristic_(techniques_.heuristic(settings)),
@@ -56,7 +56,8 @@ PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const E
       guide_(guide),
       memory_(memory),
       tolerance_(tolerance),
-      light_share_(share_of_frame(scene.film)) {}
+      light_share_(share_of_frame(scene.film)),
+      merge_area_(merge_area) {}
 
 // Meets the vertex anew from both sides.
 void PathVerifier::see(Vertex& v, bool scatters_by_chance) const {
@@ -300,7 +301,7 @@ void PathVerifier::found(const FoundPath& found) {
     return;  // joined, but something is in between
   }
   if (found.merged) {
-    return;  // there is no one vertex where the two sub-paths meet
+    return;
   }
   ++report_.techniques[{found.s, found.t}];
   const std::vector<Vertex> vertices = vertices_of(found);
@@ -344,10 +345,15 @@ void PathVerifier::found(const FoundPath& found) {
     s.camera_sees = (visibility & kVisibleCamera) != 0;
     s.light_crosses =
         i == 0 ? crossed_by_light(v, nullptr, 0.0f) : crossed_by_light(vertices[i - 1], &v, 0.0f);
+    if (v.made->bsdf.connectible()) {
+      s.merge_area = merge_area_ * square(static_cast<double>(merge_scale(*v.made)));
+    }
     path.surfaces.push_back(s);
     straight = straight && v.made->point.depth.transparent == 0;
     compare_scattering(found, v);
   }
+  path.joins = techniques_.joins;
+  path.merges = techniques_.merges;
   const Receiver from = receiver_at(last);
   path.light.direction = last.to_light;
   path.light.hittable = lights.is_hittable(found.light);

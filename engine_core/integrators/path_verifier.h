@@ -49,8 +49,10 @@ struct PathReport {
 // and where lights reach some lobes only, which also have no weights that could sum to 1.
 class PathVerifier {
  public:
+  // `merge_area`: LightVertices::area() where sub-paths are merged. Merges themselves are left to
+  // the other techniques' weights: they have no one vertex where the sub-paths meet.
   PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
-               const BidirectionalMemory& memory, double tolerance);
+               const BidirectionalMemory& memory, double tolerance, double merge_area);
 
   void emitted(const EmissionSample&) {}
   void found(const FoundPath& found);
@@ -79,6 +81,7 @@ class PathVerifier {
   const BidirectionalMemory& memory_;
   const double tolerance_;
   const double light_share_;
+  const double merge_area_;
   PathReport report_;
 };
 

@@ -220,7 +220,7 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
     weights[s] = 1.0 / (1.0 + others);
   }
   for (size_t i = 0; path.merges && i < count; ++i) {
-    if (possible.merge(i)) {
+    if (possible.merge(i) && camera[i].merge > 0.0 && light[i].merge > 0.0) {
       const double others = camera[i].beside_merge().sum(h, v[i].pdf_to_camera) +
                             light[i].beside_merge().sum(h, v[i].pdf_to_light);
       weights[n + i] = 1.0 / (1.0 + others);

@@ -43,7 +43,7 @@ struct Settings {
   int unweighted = 0;
   int vcm_connections = 1;
   int vcm_merging = 1;
-  double merge_radius = 1.5;
+  double merge_radius = 2.0;
   double merge_alpha = 0.75;
   int separate_direct = 1;
   double large_steps = 0.25;

@@ -22,6 +22,7 @@ ENGINES = {
     "cycles": "Cycles",
     "vernier-bdpt": "Vernier BDPT",
     "vernier-light": "Vernier Light",
+    "vernier-vcm": "Vernier VCM",
 }
 # What is measured where nothing else is asked for.
 USUAL_ENGINES = ("vernier", "cycles")

@@ -37,9 +37,9 @@ def verified(**names: Any) -> dict[str, Any]:
     return total
 
 
-def assert_agrees(report: dict[str, Any], in_corners: float = 0.005) -> None:
+def assert_agrees(report: dict[str, Any], in_corners: float = 0.005, least: int = 300) -> None:
     paths = sum(report["techniques"].values())
-    assert paths > 300
+    assert paths > least
     # The rims of lamps, by rounding.
     assert report["unseen"] <= 0.01 * paths
     # Both are sums in float64.
@@ -62,6 +62,24 @@ def assert_agrees(report: dict[str, Any], in_corners: float = 0.005) -> None:
 @pytest.mark.parametrize("material", MATERIALS)
 def test_materials(material: str) -> None:
     verified(material=material, light="many")
+
+
+#: Matte, narrow, of both sides, beside a mirror, and such as no path from a light goes on from.
+MERGED = ["diffuse", "near_mirror", "rough_glass", "principled_coat", "diffuse_and_mirror",
+          "facing_clear", "light_path_diffuse"]  # fmt: skip
+
+
+@pytest.mark.parametrize("connections", [0, 1])
+@pytest.mark.parametrize("material", MERGED)
+def test_weights_beside_merges(material: str, connections: int) -> None:
+    """The same where merges have a part in the weights, or more."""
+    scene = engine_core.compile(build(material, "many").description, threads=2)
+    for heuristic, pilot in (("BALANCE", False), ("POWER", True)):
+        settings = {"integrator": "VCM", "max_bounces": 7, "mis_heuristic": heuristic,
+                    "vcm_connections": connections, "merge_radius": 1.0}  # fmt: skip
+        report = probe.verify_paths(scene, settings, 4 * SAMPLES, TOLERANCE, pilot)
+        assert report["non_finite"] == 0
+        assert_agrees(report, least=300 if connections else 30)
 
 
 @pytest.mark.parametrize("light", LIGHTS)

@@ -45,6 +45,7 @@ _TITLES = {
     "bidirectional": "Bidirectional",
     "merging": "Merging",
     "metropolis": "Metropolis",
+    "photons": "Photons",
     "film": "Film",
     "performance": "Performance",
 }

@@ -172,6 +172,11 @@ bool is_wide(const Lobe& lobe) {
   return !is_microfacet(lobe.kind) && lobe.kind != LobeKind::kAshikhminShirley;
 }
 
+// Singular 0, and 1 where the lobe is no microfacets.
+float squared_roughness(const Lobe& lobe) {
+  return lobe.singular ? 0.0f : (is_wide(lobe) ? 1.0f : lobe.alpha_x * lobe.alpha_y);
+}
+
 }  // namespace
 
 float Bsdf::widest_alpha() const {
@@ -194,12 +199,21 @@ float Bsdf::mean_squared_roughness() const {
   }
   float sum = 0.0f, total = transparent_select_;
   for (int i = 0; i < count_; ++i) {
-    const Lobe& lobe = lobes_[i];
-    sum += near_[i].select *
-           (lobe.singular ? 0.0f : (is_wide(lobe) ? 1.0f : lobe.alpha_x * lobe.alpha_y));
+    sum += near_[i].select * squared_roughness(lobes_[i]);
     total += near_[i].select;
   }
   return total > 0.0f ? sum / total : 0.0f;
+}
+
+float Bsdf::sharpest_glossy() const {
+  float least = kInfinity;
+  for (int i = 0; i < count_; ++i) {
+    const Lobe& lobe = lobes_[i];
+    if (((lobe.reflection_bits | lobe.transmission_bits) & kLobeGlossy) != 0) {
+      least = std::min(least, squared_roughness(lobe));
+    }
+  }
+  return least;
 }
 
 Vec3f Bsdf::mean_normal() const {

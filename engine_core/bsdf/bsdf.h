@@ -148,6 +148,8 @@ class Bsdf {
   // Of the smooth lobes the widest, by its narrower side: alpha of microfacets, 1 of all others; 0
   // where there is none. (Not the lobes' shares, which depend on the direction.)
   float widest_alpha() const;
+  // The least squared roughness (as above) of a lobe that is not diffuse; infinite without any.
+  float sharpest_glossy() const;
   // The lobes' normals averaged over their sampling weights, unit; ns where there are none.
   Vec3f mean_normal() const;
   // How many lobes were dropped because there was no room.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "integrators/bidirectional_tracer.h"
+#include "integrators/emission_learning.h"
 #include "integrators/light_vertices.h"
 #include "math/float_environment.h"
 #include "math/parallel.h"
@@ -24,120 +25,38 @@ constexpr float kPilotBlur = 2.0f;
 // times processor time: 0.03, 0.1 and 0.3 differ by a fifth at the most in the Cornell box and the
 // caustics, and 0.1 is the best of them on both together.
 constexpr double kSmallPart = 0.1;
-// The part of the choice of lights that goes by their power all the same: a pilot has not seen all.
-constexpr double kByPower = 0.25;
-// The part of distant lights' rays that is aimed.
-constexpr float kAimed = 0.75f;
-// Of the points that the camera's paths visit, those that the aim covers.
-constexpr double kCovered = 0.95;
-
-// Lights that get a guide to their directions: no more than these, and each with at least this part
-// of the light that paths from lights carry.
-constexpr size_t kMostGuided = 16;
-constexpr double kLeastGuided = 0.01;
-// The part of their directions that follow it.
-constexpr float kGuided = 0.75f;
-
-using Cells = std::vector<float>;
-constexpr size_t kMostCells = DirectionGuide::kResolution * DirectionGuide::kResolution;
-static_assert(PlaceGuide::kResolution <= DirectionGuide::kResolution);
-
-// Where a path from a light begins: in which cell of what guides that light, or none.
-struct Origin {
-  uint32_t light = kNoIndex;
-  bool guided = false;
-  size_t cell = 0;
-
-  Origin() = default;
-  Origin(const EmissionGuide& guide, const EmissionSample& e) : light(e.light) {
-    if (!e.infinite) {
-      guided = !e.delta_direction;
-      cell = DirectionGuide::cell(e.direction);
-    } else if (guide.share > 0.0f) {
-      const Vec2f q = guide.place_of(e.p, e.direction);
-      guided = PlaceGuide::contains(q);
-      cell = guided ? PlaceGuide::cell(q) : 0;
-    }
-  }
-};
-
 // Adds up what each light does for the picture.
-struct LightTally {
-  std::vector<double> by_light;
+struct LightTally : EmissionTally {
   double total = 0.0;
-  // What paths that started at the light have found, by light and by cell.
-  std::vector<Cells> by_cell;
-  std::vector<double> from_light;
-  const EmissionGuide* guide = nullptr;          // null: what cells there are is not known yet
-  const std::vector<Origin>* origins = nullptr;  // of the paths that are merged with others
-  Origin own;                                    // of the sample's
+  const EmissionGuide* guide = nullptr;  // null: what cells there are is not known yet
+  const std::vector<EmissionOrigin>* origins = nullptr;  // of the paths that are merged with others
+  EmissionOrigin own;                                    // of the sample's
 
-  explicit LightTally(uint32_t lights) : by_light(lights), by_cell(lights), from_light(lights) {}
+  explicit LightTally(uint32_t lights) : EmissionTally(lights) {}
 
   void add(const LightTally& other) {
+    EmissionTally::add(other);
     total += other.total;
-    for (size_t light = 0; light < by_light.size(); ++light) {
-      by_light[light] += other.by_light[light];
-      from_light[light] += other.from_light[light];
-      const Cells& cells = other.by_cell[light];
-      by_cell[light].resize(std::max(by_cell[light].size(), cells.size()));
-      for (size_t i = 0; i < cells.size(); ++i) {
-        by_cell[light][i] += cells[i];
-      }
-    }
   }
 
-  void emitted(const EmissionSample& e) { own = guide ? Origin(*guide, e) : Origin(); }
+  void emitted(const EmissionSample& e) {
+    own = guide ? EmissionOrigin(*guide, e) : EmissionOrigin();
+  }
 
   void found(const FoundPath& path) {
     const auto amount = static_cast<double>(max_component(path.contribution));
     total += amount;
-    const Origin& origin = path.merged ? (*origins)[path.light_path] : own;
+    const EmissionOrigin& origin = path.merged ? (*origins)[path.light_path] : own;
     const uint32_t light = path.merged ? origin.light : path.light;
     if (light == kNoIndex) {
       return;
     }
     by_light[light] += amount;
-    if (path.s >= 2 && origin.guided) {
-      by_cell[light].resize(kMostCells);
-      by_cell[light][origin.cell] += static_cast<float>(amount);
-      from_light[light] += amount;
+    if (path.s >= 2) {
+      credit(origin, light, amount);
     }
   }
 };
-
-// Aims at a sphere about the points, but for the outermost.
-void aim_at(std::vector<Vec3f>& points, const Scene& scene, EmissionGuide& guide) {
-  if (points.empty()) {
-    return;
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto middle = points.begin() + static_cast<ptrdiff_t>(points.size() / 2);
-    std::nth_element(points.begin(), middle, points.end(),
-                     [&](const Vec3f& a, const Vec3f& b) { return a[axis] < b[axis]; });
-    guide.center[axis] = (*middle)[axis];
-  }
-  const auto last =
-      points.begin() + static_cast<ptrdiff_t>(kCovered * static_cast<double>(points.size() - 1));
-  std::nth_element(points.begin(), last, points.end(), [&](const Vec3f& a, const Vec3f& b) {
-    return length_squared(a - guide.center) < length_squared(b - guide.center);
-  });
-  guide.radius = length(*last - guide.center);
-  if (!(guide.radius > 0.0f && guide.radius < scene.radius)) {
-    return;
-  }
-  guide.share = kAimed;
-  guide.reach = scene.radius + length(guide.center - scene.center);
-  // Of distant lights' power that part counts which passes the sphere: however large the scene is,
-  // they must not take all paths from the lamps in it.
-  const double part = square(static_cast<double>(guide.radius) / static_cast<double>(scene.radius));
-  std::vector<double> weights(scene.lights->count());
-  for (uint32_t light = 0; light < weights.size(); ++light) {
-    weights[light] = static_cast<double>(guide.lights.probability(light)) *
-                     (scene.lights->is_infinite(light) ? part : 1.0);
-  }
-  guide.lights = AliasTable(weights);
-}
 
 // The median of what a pixel covers at the points.
 float median_footprint(const std::vector<Vec3f>& points, const Camera& camera) {
@@ -152,70 +71,6 @@ float median_footprint(const std::vector<Vec3f>& points, const Camera& camera) {
   const auto middle = footprints.begin() + static_cast<ptrdiff_t>(footprints.size() / 2);
   std::nth_element(footprints.begin(), middle, footprints.end());
   return *middle;
-}
-
-// Chooses lights by what the pilot saw them do. Never 0 where it was not, and 0 where it was.
-void choose_by(const LightTally& tally, EmissionGuide& guide) {
-  double attributed = 0.0;
-  for (const double amount : tally.by_light) {
-    attributed += amount;
-  }
-  if (!(attributed > 0.0)) {
-    return;
-  }
-  std::vector<double> weights(tally.by_light.size());
-  for (uint32_t light = 0; light < weights.size(); ++light) {
-    const auto by_power = static_cast<double>(guide.lights.probability(light));
-    const double seen = tally.by_light[light] / attributed;
-    weights[light] = by_power > 0.0 ? seen + kByPower * (by_power - seen) : 0.0;
-  }
-  guide.lights = AliasTable(weights);
-}
-
-// Each cell's value shared with its eight neighbours: what one path found tells of those beside it.
-PiecewiseConstant2D blurred(const Cells& cells, int n) {
-  Cells result(static_cast<size_t>(n * n));
-  for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) {
-      const float value = cells[static_cast<size_t>(y * n + x)] / 9.0f;
-      for (int dy = -1; dy <= 1 && value > 0.0f; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          const int to_x = std::clamp(x + dx, 0, n - 1), to_y = std::clamp(y + dy, 0, n - 1);
-          result[static_cast<size_t>(to_y * n + to_x)] += value;
-        }
-      }
-    }
-  }
-  return PiecewiseConstant2D(result, n, n);
-}
-
-// Directs the lights that matter most to where their paths were of use.
-void direct_by(const LightTally& tally, const LightSampler& lights, EmissionGuide& guide) {
-  std::vector<uint32_t> order;
-  double total = 0.0;
-  for (uint32_t light = 0; light < tally.from_light.size(); ++light) {
-    total += tally.from_light[light];
-    order.push_back(light);
-  }
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return tally.from_light[a] > tally.from_light[b];
-  });
-  guide.directions_of.assign(order.size(), EmissionGuide::kNone);
-  guide.places_of = guide.directions_of;
-  for (const uint32_t light : order) {
-    if (guide.directions.size() + guide.places.size() == kMostGuided ||
-        !(tally.from_light[light] > kLeastGuided * total)) {
-      break;
-    }
-    if (lights.is_infinite(light)) {
-      guide.places_of[light] = static_cast<uint32_t>(guide.places.size());
-      guide.places.push_back({blurred(tally.by_cell[light], PlaceGuide::kResolution), kGuided});
-      continue;
-    }
-    guide.directions_of[light] = static_cast<uint32_t>(guide.directions.size());
-    guide.directions.push_back(
-        {blurred(tally.by_cell[light], DirectionGuide::kResolution), kGuided});
-  }
 }
 
 // What a pilot finds out.
@@ -258,7 +113,8 @@ void run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, ui
 
 // The same on all threads. Parts are added in their order: the plan does not depend on the threads.
 Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, uint32_t first,
-                   uint32_t last, const EmissionGuide* cells, const std::vector<Origin>* origins) {
+                   uint32_t last, const EmissionGuide* cells,
+                   const std::vector<EmissionOrigin>* origins) {
   constexpr uint32_t kParts = 16;
   const uint32_t lights = context.scene.lights->count();
   std::vector<Findings> parts(kParts, Findings(lights));
@@ -282,8 +138,8 @@ Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples
 }
 
 // Makes the light pass, on all threads. Returns where its paths begin.
-std::vector<Origin> trace_light(const RenderContext& context, LightVertices& vertices, size_t paths,
-                                RenderStats& stats) {
+std::vector<EmissionOrigin> trace_light(const RenderContext& context, LightVertices& vertices,
+                                        size_t paths, RenderStats& stats) {
   for (int stage = 0; stage < vertices.stages(); ++stage) {
     std::vector<RenderStats> done(vertices.jobs(stage));
     parallel_for(done.size(), context.settings.threads, [&](size_t job) {
@@ -296,11 +152,11 @@ std::vector<Origin> trace_light(const RenderContext& context, LightVertices& ver
     }
   }
   const EmissionGuide& guide = static_cast<const BidirectionalPlan&>(*context.plan).guide;
-  std::vector<Origin> origins(paths);
+  std::vector<EmissionOrigin> origins(paths);
   for (size_t i = 0; i < paths; ++i) {
     EmissionSample e;
     if (emit(*context.scene.lights, guide, vertices.sampler(i), e)) {
-      origins[i] = Origin(guide, e);
+      origins[i] = EmissionOrigin(guide, e);
     }
   }
   return origins;
@@ -334,7 +190,7 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
       plan->footprint * kPilotBlur * static_cast<float>(std::sqrt(pixels / (count - aiming))), 0);
   LightVertices vertices(techniques, pilot_seed(seed), log2_samples, aiming, count - aiming,
                          radius);
-  std::vector<Origin> origins;
+  std::vector<EmissionOrigin> origins;
   if (techniques.merges) {
     origins = trace_light(pilot, vertices, count - aiming, stats);
     pilot.light_pass = &vertices;

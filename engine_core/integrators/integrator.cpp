@@ -2,7 +2,9 @@
 
 #include "integrators/bidirectional.h"
 #include "integrators/path.h"
+#include "integrators/photon_map_integrator.h"
 #include "integrators/pssmlt.h"
+#include "integrators/sppm.h"
 #include "integrators/whitted.h"
 
 namespace vernier {
@@ -21,6 +23,10 @@ Kernel choose_kernel(const Settings& settings, const Requirements& requirements,
       return pssmlt_kernel(settings, requirements, passes);
     case IntegratorKind::kMmlt:
       return mmlt_kernel(settings, requirements, passes);
+    case IntegratorKind::kPhoton:
+      return photon_map_kernel(settings, requirements, passes);
+    case IntegratorKind::kSppm:
+      return sppm_kernel(settings, requirements, passes);
   }
   return {.render_tile = path_kernel(settings, requirements, passes)};
 }

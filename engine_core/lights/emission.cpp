@@ -232,6 +232,7 @@ float guided(const DirectionGuide* guide, float by_itself, Vec3f d) {
 double LightSampler::total_power() const { return table_->total_power; }
 
 const EmissionGuide& LightSampler::guide_by_power() const { return table_->by_power; }
+uint32_t LightSampler::uneven_count() const { return table_->uneven; }
 
 EmissionPdf LightSampler::pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f direction) const {
   static_cast<void>(p);

@@ -107,6 +107,8 @@ class LightSampler {
   // The guide that knows no more than the lights' power. Its weights are 0 for lights at which no
   // path may start: those that shine through walls, or on some kinds of surfaces only.
   const EmissionGuide& guide_by_power() const;
+  // Number of lights at which no path may start though they shine.
+  uint32_t uneven_count() const;
   // Densities with which sample_emission() by power makes origin p (normal n) and direction, given
   // `light`.
   EmissionPdf pdf_emission(uint32_t light, Vec3f p, Vec3f n, Vec3f direction) const;

@@ -189,7 +189,10 @@ void weigh_lights(LightTable& table) {
     table.total_power += power[light];
   }
   for (uint32_t light = 0; light < count; ++light) {
-    power[light] = shines_evenly(table, light) ? power[light] : 0.0;
+    if (!shines_evenly(table, light)) {
+      table.uneven += power[light] > 0.0 ? 1 : 0;
+      power[light] = 0.0;
+    }
   }
   table.by_power.lights = AliasTable(power);
 

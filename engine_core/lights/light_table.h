@@ -36,6 +36,7 @@ struct LightTable {
   uint32_t visible_lamps = 0;  // union of the Visibility bits of lamps that rays can meet
   uint32_t visible_suns = 0;
 
+  uint32_t uneven = 0;     // lights that shine, and at which no path may start
   EmissionGuide by_power;  // in proportion to the lights' power
   double total_power = 0;
   Vec3f center;  // the bounding sphere of what infinite lights shine on

@@ -11,6 +11,23 @@
 
 namespace vernier {
 
+// What of the light of `emission` reaches a surface `travelled` along its ray, but for what is on
+// the way there. A soft lamp's light comes from before the start of the ray, by what is `behind`;
+// what stands there is in its way.
+inline Color lit_through(const EmissionSample& emission, const SegmentContext& segments,
+                         float travelled) {
+  if (!(travelled > emission.lit_from)) {
+    return {};
+  }
+  if (!(emission.behind > 0.0f)) {
+    return splat(1.0f);
+  }
+  bool blocked = false;
+  const Ray back{emission.p, -emission.direction, emission.behind / travelled};
+  const Color passed = transmittance<true>(segments, back, PathDepth{}, &blocked);
+  return blocked ? Color{} : passed;
+}
+
 // Visits the surfaces that a path from a light meets, and keeps its vertices and their weights.
 // What the path is for, the client says:
 //   void emitted(const EmissionSample&)            the path begins;
@@ -38,7 +55,7 @@ struct LightVisitor {
       v.mis = departure.arrive(ends.heuristic, static_cast<double>(walk.travelled),
                                static_cast<double>(abs_cosine(v.point, v.point.wo)), true);
     } else {
-      from_lamp = lit_through(walk.travelled);
+      from_lamp = lit_through(emission, segments, walk.travelled);
       if (is_black(from_lamp) && is_black(v.bsdf.transparency)) {
         path.drop();
         return false;
@@ -53,21 +70,6 @@ struct LightVisitor {
       client.reached(walk, v);
     }
     return true;
-  }
-
-  // A soft lamp's light comes from before the start of the ray, by what is `behind`; what stands
-  // there is in its way.
-  Color lit_through(float travelled) const {
-    if (!(travelled > emission.lit_from)) {
-      return {};
-    }
-    if (!(emission.behind > 0.0f)) {
-      return splat(1.0f);
-    }
-    bool blocked = false;
-    const Ray back{emission.p, -emission.direction, emission.behind / travelled};
-    const Color passed = transmittance<true>(segments, back, PathDepth{}, &blocked);
-    return blocked ? Color{} : passed;
   }
 
   void pass(const PathVertex& v) {
@@ -93,6 +95,28 @@ bool emit(const LightSampler& lights, const EmissionGuide& guide, const Sampler&
                                 sampler.get_2d(dimension(LightDim::kDirection)), out);
 }
 
+// The start of a walk along that path. False where there is none to follow; `non_finite` counts
+// those whose radiance is not finite.
+template <class Sampler>
+bool start_at_light(const Scene& scene, const EmissionGuide& guide, const Sampler& sampler,
+                    EmissionSample& e, Walk& walk, uint64_t& non_finite) {
+  if (!emit(*scene.lights, guide, sampler, e)) {
+    return false;
+  }
+  walk.ray = {e.infinite ? e.p : offset_origin(e.p, e.p_error, e.n, e.direction), e.direction,
+              kInfinity};
+  walk.mode = Transport::kImportance;
+  walk.beta = e.radiance * (e.cosine / (e.pdf_position * e.pdf_direction * e.pdf_selection));
+  if (!is_finite(walk.beta)) {
+    ++non_finite;
+    return false;
+  }
+  walk.start = max_component(walk.beta);
+  walk.flags = 0;
+  walk.mask = kVisibleDiffuse;  // evenly visible scenes: all kinds of scattered rays are alike
+  return true;
+}
+
 // Starts a path at a light and follows it. `path`, empty before, gets its vertices. `non_finite`
 // counts the paths that were dropped because what they carry is not finite. It bounces no more than
 // `most_bounces` times.
@@ -101,21 +125,10 @@ void walk_from_light(const LightEnds& ends, const WalkContext<Sampler>& context,
                      uint64_t& non_finite, Client& client,
                      int most_bounces = std::numeric_limits<int>::max()) {
   EmissionSample e;
-  if (!emit(*ends.scene.lights, ends.guide, context.sampler, e)) {
-    return;
-  }
   Walk walk;
-  walk.ray = {e.infinite ? e.p : offset_origin(e.p, e.p_error, e.n, e.direction), e.direction,
-              kInfinity};
-  walk.mode = Transport::kImportance;
-  walk.beta = e.radiance * (e.cosine / (e.pdf_position * e.pdf_direction * e.pdf_selection));
-  if (!is_finite(walk.beta)) {
-    ++non_finite;
+  if (!start_at_light(ends.scene, ends.guide, context.sampler, e, walk, non_finite)) {
     return;
   }
-  walk.start = max_component(walk.beta);
-  walk.flags = 0;
-  walk.mask = kVisibleDiffuse;  // evenly visible scenes: all kinds of scattered rays are alike
   walk.most_bounces = most_bounces;
   client.emitted(e);
   LightVisitor<Client> visitor{ends, e,    {ends.scene, context.limits.transparent, context.rays},

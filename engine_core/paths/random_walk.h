@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "bsdf/bsdf.h"
 #include "paths/bounce_limits.h"
@@ -22,7 +23,10 @@ struct Walk {
   Ray ray;
   Transport mode = Transport::kRadiance;
   Color beta = splat(1.0f);
-  float start = 1.0f;  // the largest component of beta at the start: roulette's measure
+  // Roulette's measure: the largest component of beta at the start, as it would be in the medium
+  // where the walk is. (Importance is over the squared index, and so changes with it: that is no
+  // loss.)
+  float start = 1.0f;
   uint32_t flags = kRayCamera;
   uint32_t mask = kVisibleCamera;
   PathDepth depth;
@@ -54,7 +58,9 @@ struct WalkContext {
 //   PathVertex& vertex()  where the next vertex is to be written;
 //   bool arrive(const Walk&, PathVertex&)  a surface, its closures evaluated; false ends the walk;
 //   void pass(const PathVertex&)  the walk goes straight on through the surface: no scattering;
-//   void leave(const PathVertex&, const BsdfSample&)  the walk scatters and goes on.
+//   void leave(const PathVertex&, const BsdfSample&)  the walk scatters and goes on;
+//   uint8_t lobes(const PathVertex&)  optional, for walks from the camera: the lobes that it may go
+//       on by.
 template <class Sampler, class Visitor>
 void random_walk(const WalkContext<Sampler>& context, Walk& walk, Visitor& visitor) {
   const Scene& scene = context.scene;
@@ -88,7 +94,14 @@ void random_walk(const WalkContext<Sampler>& context, Walk& walk, Visitor& visit
       return;
     }
     const Vec2f u = walk.draw(BounceDim::kLobe);
-    const auto sample = scatter_sample(scene, v, u.x, walk.draw(BounceDim::kDirection));
+    std::optional<BsdfSample> sample;
+    if constexpr (requires { visitor.lobes(v); }) {
+      // What the camera sees of closures that depend on the viewer is what is evaluated.
+      sample =
+          v.bsdf.sample_forward(u.x, walk.draw(BounceDim::kDirection), v.mode, visitor.lobes(v));
+    } else {
+      sample = scatter_sample(scene, v, u.x, walk.draw(BounceDim::kDirection));
+    }
     if (!sample || is_black(sample->weight)) {
       return;
     }
@@ -102,6 +115,9 @@ void random_walk(const WalkContext<Sampler>& context, Walk& walk, Visitor& visit
     }
     walk.spent = from_camera && context.limits.spent(walk.depth);
     walk.beta *= sample->weight;
+    if (!from_camera) {
+      walk.start /= square(sample->eta);
+    }
     const float survival = context.roulette.survival(walk.depth.total, walk.index,
                                                      max_component(walk.beta) / walk.start);
     if (!(u.y < survival)) {

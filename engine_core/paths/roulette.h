@@ -15,6 +15,11 @@ class Roulette {
         start_(settings.roulette_start),
         long_path_(settings.max_bounces < 0 ? kLongPath : kNever),
         long_passage_(settings.transparent_bounces < 0 ? kLongPath : kNever) {}
+  // The same with a roulette of its own.
+  Roulette(const Settings& settings, float threshold, int start) : Roulette(settings) {
+    threshold_ = threshold;
+    start_ = start;
+  }
 
   // The probability of going on after `bounces` bounces, at vertex number `vertex`, for a path that
   // carries `carried` of what it started with. One that goes on is raised by its inverse.

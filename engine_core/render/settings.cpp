@@ -28,6 +28,26 @@ constexpr std::array kIntegrators{
     EnumItem{"MMLT", "Multiplexed Metropolis",
              "Chains of single paths, made from either end by the way that suits them: for light "
              "that is hard to find"},
+    EnumItem{"PHOTON", "Photon Mapping",
+             "Jensen's two photon maps: quick, smooth and biased; more photons bring it nearer"},
+    EnumItem{"SPPM", "Progressive Photon Mapping",
+             "A new photon map for every sample, its radius ever smaller: for caustics, above all "
+             "those seen in mirrors and through water"},
+};
+constexpr std::array kPhotonDirect{
+    EnumItem{"SHADOW_RAYS", "Shadow Rays", "Sample lights: sharp shadows"},
+    EnumItem{"PHOTONS", "Photons", "Read direct light from the photons too: fast and blurred"},
+};
+constexpr std::array kPhotonViews{
+    EnumItem{"OFF", "Off", "The picture"},
+    EnumItem{"GLOBAL", "Global Map", "The photons of the global map, as dots of their colours"},
+    EnumItem{"CAUSTIC", "Caustic Map", "The photons of the caustic map, as dots of their colours"},
+};
+// In the order of PhotonKernel.
+constexpr std::array kPhotonKernels{
+    EnumItem{"EPANECHNIKOV", "Epanechnikov", "A parabola: falls to zero at the radius"},
+    EnumItem{"CONE", "Cone", "Jensen's cone filter: the sharpest edges, the most noise"},
+    EnumItem{"CONSTANT", "Constant", "All photons alike: the least noise, the most blur"},
 };
 constexpr std::array kMisHeuristics{
     EnumItem{"BALANCE", "Balance", "In proportion to each technique's density"},
@@ -51,6 +71,7 @@ constexpr std::array kFilters{
 };
 
 constexpr double kMany = 2147483647.0;
+constexpr double kManyPhotons = 1 << 28;
 
 Parameter integer(std::string_view group, std::string_view name, int Settings::* member,
                   double minimum, double maximum, double soft_minimum, double soft_maximum,
@@ -186,6 +207,33 @@ const std::array kParameters{
          "The part of mutations that leave the path for a new one"),
     integer("metropolis", "chain_length", &Settings::chain_length, 1, 1 << 24, 64, 65536,
             "Chain Length", "Mutations after which a chain starts anew"),
+    choice("photons", "photon_direct", &Settings::photon_direct, kPhotonDirect, "Direct Light",
+           "Where light that comes straight from lights is taken from"),
+    choice("photons", "photon_kernel", &Settings::photon_kernel, kPhotonKernels, "Kernel",
+           "How photons count by their distance"),
+    integer("photons", "global_photons", &Settings::global_photons, 0, kManyPhotons, 0, 2000000,
+            "Global Photons", "Photons in the global map, at least; 0: no such map"),
+    integer("photons", "caustic_photons", &Settings::caustic_photons, 0, kManyPhotons, 0, 2000000,
+            "Caustic Photons", "Photons in the caustic map, at least; 0: no such map"),
+    integer("photons", "photon_neighbours", &Settings::photon_neighbours, 2, 100000, 10, 500,
+            "Nearest Photons", "How many of the nearest photons tell the light at a point"),
+    real("photons", "photon_most_radius", &Settings::photon_most_radius, 0.01, 1e6, 1, 200,
+         "Largest Radius",
+         "Photons farther away do not count. In pixels, as wide as they are there", "px"),
+    integer("photons", "final_gather_rays", &Settings::final_gather_rays, 0, 65536, 0, 256,
+            "Final Gather Rays",
+            "Rays from each point, at whose ends the maps are asked; 0: at the point itself"),
+    choice("photons", "photon_view", &Settings::photon_view, kPhotonViews, "Show Photons",
+           "Show a photon map itself instead of the picture"),
+    real("photons", "photon_radius", &Settings::photon_radius, 0.01, 1e6, 0.5, 10, "First Radius",
+         "Progressive photon mapping begins with this radius, in pixels as wide as they are there",
+         "px"),
+    real("photons", "photon_alpha", &Settings::photon_alpha, 0.01, 1, 0.5, 1, "Shrinking",
+         "How the radius shrinks: less is faster, and leaves more noise and less blur; 1: not at "
+         "all"),
+    integer("photons", "photon_paths", &Settings::photon_paths, 0, kManyPhotons, 0, 4000000,
+            "Paths per Pass",
+            "Paths from lights in a pass of progressive photon mapping; 0: one for each pixel"),
     film_choice("pixel_filter", static_cast<int>(FilmDesc{}.filter), kFilters, "Pixel Filter",
                 "Shape of the reconstruction filter"),
     film_real("filter_width", FilmDesc{}.filter_width, 0.01, 10, 0.5, 4, "Filter Width",

@@ -14,8 +14,20 @@
 
 namespace vernier {
 
-enum class IntegratorKind : int { kPath, kWhitted, kLight, kBdpt, kVcm, kPssmlt, kMmlt };
+enum class IntegratorKind : int {
+  kPath,
+  kWhitted,
+  kLight,
+  kBdpt,
+  kVcm,
+  kPssmlt,
+  kMmlt,
+  kPhoton,
+  kSppm
+};
 enum class MisExponent : int { kBalance, kPower };
+enum class PhotonDirect : int { kShadowRays, kPhotons };
+enum class PhotonView : int { kOff, kGlobal, kCaustic };
 enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
 
 struct Settings {
@@ -48,6 +60,17 @@ struct Settings {
   int separate_direct = 1;
   double large_steps = 0.25;
   int chain_length = 1024;
+  int global_photons = 100000;
+  int caustic_photons = 100000;
+  int photon_neighbours = 50;
+  double photon_most_radius = 32.0;
+  int final_gather_rays = 0;
+  int photon_view = static_cast<int>(PhotonView::kOff);
+  int photon_direct = static_cast<int>(PhotonDirect::kShadowRays);
+  int photon_kernel = 0;
+  double photon_radius = 2.0;
+  double photon_alpha = 2.0 / 3.0;
+  int photon_paths = 0;
 };
 
 struct EnumItem {

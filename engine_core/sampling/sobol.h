@@ -78,6 +78,13 @@ class SobolSampler {
     reversed_ = reverse_bits(number);
   }
 
+  // The same sample's number in an independent sequence: one for every pair (a, b).
+  SobolSampler another(uint64_t a, uint64_t b) const {
+    SobolSampler result = *this;
+    result.seed_ = hash64(hash64(seed_ ^ (a << 32)) + b);
+    return result;
+  }
+
   // A point of [0,1)^2 for the dimension pair.
   Vec2f get_2d(uint32_t dimension) const { return get_2d_run<1>(dimension)[0]; }
 

@@ -303,6 +303,7 @@ class SceneCompiler {
     r.depth_of_field = !s.camera->is_pinhole();
     r.hidden_from_rays = r.hidden_from_rays || s.world_visibility != kVisibleAll;
     r.emissive_triangles = s.lights->emissive_triangle_count();
+    r.uneven_lights = s.lights->uneven_count();
     r.light_tree = s.lights->has_tree();
   }
 

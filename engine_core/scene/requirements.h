@@ -27,6 +27,8 @@ struct Requirements {
   // Some object is visible to some kinds of scattered rays only, so that what a path from a light
   // meets would depend on what comes after: no such paths then.
   bool uneven_visibility = false;
+  // Lights at which no path may start (LightSampler::guide_by_power).
+  uint64_t uneven_lights = 0;
   bool path_dependent = false;  // some material reads what the path has been through
 };
 

@@ -8,8 +8,6 @@ namespace vernier {
 namespace {
 
 constexpr size_t kPartSize = 65536;
-// The levels from the root that are a stage each: below, there are subtrees for all threads.
-constexpr int kMostTopLevels = 6;
 
 bool closer(const KdNeighbour& a, const KdNeighbour& b) {
   return a.distance_squared < b.distance_squared;
@@ -78,8 +76,8 @@ size_t KdTreeBuild::jobs(int stage) const {
   if (stage == 0) {
     return parts_;
   }
-  if (stage <= top_levels_) {
-    return size_t{1} << (stage - 1);
+  if (stage <= kMostTopLevels) {
+    return stage <= top_levels_ ? size_t{1} << (stage - 1) : 0;
   }
   return levels_ > top_levels_ ? size_t{1} << top_levels_ : 0;
 }
@@ -87,7 +85,7 @@ size_t KdTreeBuild::jobs(int stage) const {
 void KdTreeBuild::run(int stage, size_t job) {
   if (stage == 0) {
     copy(job);
-  } else if (stage <= top_levels_) {
+  } else if (stage <= kMostTopLevels) {
     split((size_t{1} << (stage - 1)) - 1 + job, stage - 1);
   } else {
     split_below((size_t{1} << top_levels_) - 1 + job, top_levels_);

@@ -93,7 +93,10 @@ class KdTreeBuild {
   // Both must outlive the build; as KdTree().
   KdTreeBuild(KdTree& tree, std::span<const Vec3f> positions);
 
-  int stages() const { return 2 + top_levels_; }
+  static constexpr int kMostTopLevels = 6;
+
+  // As many for any number of points: small trees have none of the jobs of some.
+  int stages() const { return 2 + kMostTopLevels; }
   size_t jobs(int stage) const;
   void run(int stage, size_t job);
 

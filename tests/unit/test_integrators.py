@@ -18,6 +18,7 @@ INTEGRATORS = [
     if parameter.name == "integrator"
     for identifier, *_ in parameter.items
 ]
+FEW_PHOTONS = {"global_photons": 1000, "caustic_photons": 1000}
 PASSES = [info.name for info in engine_core.passes()]
 
 
@@ -45,7 +46,9 @@ def scene() -> Any:
 def test_all_passes_are_finite(integrator: str) -> None:
     compiled = scene()
     session = engine_core.Session(
-        compiled, {"integrator": integrator, "samples": 6, "threads": 3}, PASSES
+        compiled,
+        {"integrator": integrator, "samples": 6, "threads": 3, **FEW_PHOTONS},
+        PASSES,
     )
     session.start()
     while not session.wait(10.0):

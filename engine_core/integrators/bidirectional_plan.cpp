@@ -25,6 +25,7 @@ constexpr float kPilotBlur = 2.0f;
 // times processor time: 0.03, 0.1 and 0.3 differ by a fifth at the most in the Cornell box and the
 // caustics, and 0.1 is the best of them on both together.
 constexpr double kSmallPart = 0.1;
+
 // Adds up what each light does for the picture.
 struct LightTally : EmissionTally {
   double total = 0.0;

@@ -21,7 +21,9 @@ namespace {
 std::vector<std::tuple<uint64_t, uint32_t, uint32_t, uint32_t, int, bool>> planned_batches(
     uint64_t seed, uint32_t samples, uint32_t planned, uint32_t share, bool single) {
   std::vector<std::tuple<uint64_t, uint32_t, uint32_t, uint32_t, int, bool>> rows;
-  for (const Batch& b : plan_batches(seed, samples, planned, {share, single})) {
+  const BatchPlan plan(seed, samples, planned, {share, single});
+  for (uint64_t i = 0; i < plan.size(); ++i) {
+    const Batch b = plan[i];
     rows.emplace_back(b.seed, b.first, b.samples, b.point, b.log2_capacity, b.second_net);
   }
   return rows;

@@ -1,6 +1,7 @@
 // The batches of a render.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -30,10 +31,42 @@ struct BatchRules {
   bool single_samples = false;  // batches do not grow: each is one sample per pixel
 };
 
-// Batches of `samples` per pixel in all. `planned`: how many samples the render was begun for,
-// which alone decides on its points, so that a render that goes on later has those it would have
-// had. More than were planned come from further nets.
-std::vector<Batch> plan_batches(uint64_t seed, uint32_t samples, uint32_t planned,
-                                const BatchRules& rules);
+// The batches of a render, in order. Those that are alike at its end, millions of them where time
+// alone ends it, take no memory.
+class BatchPlan {
+ public:
+  // Batches of `samples` per pixel in all. `planned`: how many samples the render was begun for,
+  // which alone decides on its points, so that a render that goes on later has those it would have
+  // had. More than were planned come from further nets.
+  BatchPlan(uint64_t seed, uint32_t samples, uint32_t planned, const BatchRules& rules);
+
+  uint64_t size() const { return size_; }
+  Batch operator[](uint64_t number) const;
+  // Keeps the first `size` of them, which is no more than there are.
+  void shorten(uint64_t size) { size_ = size; }
+
+ private:
+  // Sizes of the batches of one net after the other, and points that each net has given before.
+  struct Next {
+    uint32_t first = 0;
+    std::array<uint32_t, 2> points{};
+    bool second = false;
+
+    void take(uint32_t size) {
+      first += size;
+      points[second ? 1 : 0] += size;
+      second = !second;
+    }
+  };
+  Batch batch(const Next& next, uint32_t size) const;
+
+  uint64_t seed_;
+  uint32_t samples_, capacity_;
+  int log2_capacity_;
+  std::vector<Batch> growing_;
+  Next alike_;               // the first of those that are alike
+  uint32_t alike_size_ = 1;  // the last may be smaller
+  uint64_t size_ = 0;
+};
 
 }  // namespace vernier

@@ -17,7 +17,7 @@ namespace vernier {
 class LightPassQueue {
  public:
   // `tiles`: how often the light pass of a batch is asked for; the last one to ask frees it.
-  LightPassQueue(const Kernel& kernel, const std::vector<Batch>& batches, size_t tiles)
+  LightPassQueue(const Kernel& kernel, const BatchPlan& batches, size_t tiles)
       : kernel_(kernel), batches_(batches), tiles_(tiles) {}
 
   // The light pass of batch `number`, or null when the render has been stopped. What a job throws
@@ -41,7 +41,7 @@ class LightPassQueue {
   std::shared_ptr<Making> find(const RenderContext& context, uint64_t number);
 
   const Kernel& kernel_;
-  const std::vector<Batch>& batches_;
+  const BatchPlan& batches_;
   size_t tiles_;
   std::mutex mutex_;
   std::condition_variable changed_;

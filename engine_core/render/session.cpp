@@ -22,13 +22,15 @@ constexpr uint32_t kMostPlanned = 1u << 16, kPlannedWithoutEnd = 1u << 12;
 constexpr uint32_t kFirstLook = 16;
 constexpr double kLookGrowth = 1.125;
 
-std::vector<Batch> plan_for(const Settings& settings, const Kernel& kernel) {
+BatchPlan plan_for(const Settings& settings, const Kernel& kernel) {
   const auto samples = static_cast<uint32_t>(settings.samples);
   // A render that has no end in sight does not plan for it: its nets would never be full.
   const uint32_t planned = samples <= kMostPlanned ? samples : kPlannedWithoutEnd;
-  return plan_batches(hash64(static_cast<uint64_t>(settings.seed)), samples, planned,
-                      {.share = kernel.splats ? kSplattingShare : kTileShare,
-                       .single_samples = kernel.single_samples});
+  return {hash64(static_cast<uint64_t>(settings.seed)),
+          samples,
+          planned,
+          {.share = kernel.splats ? kSplattingShare : kTileShare,
+           .single_samples = kernel.single_samples}};
 }
 
 }  // namespace
@@ -154,7 +156,7 @@ void Session::heed(const Plan& plan) {
     return;
   }
   constexpr uint64_t kForErrors = 2;
-  plan_.resize(
+  plan_.shorten(
       std::min<uint64_t>(plan_.size(), std::max<uint64_t>(film_.least_batches(), kForErrors)));
   const std::lock_guard lock(mutex_);
   late_notes_.push_back(nothing);
@@ -177,7 +179,7 @@ void Session::work(int thread) {
   try {
     std::call_once(planned_, [&] {
       if (kernel_.make_plan != nullptr) {
-        plan_of_method_ = kernel_.make_plan(context, plan_.front().seed, stats);
+        plan_of_method_ = kernel_.make_plan(context, plan_[0].seed, stats);
         heed(*plan_of_method_);
       }
     });
@@ -186,7 +188,7 @@ void Session::work(int thread) {
     while (schedule_.next(job)) {
       const auto [tile_number, number] = job;
       const Tile& tile = film_.tiles()[tile_number];
-      const Batch& batch = plan_[number];
+      const Batch batch = plan_[number];
       std::shared_ptr<const LightPass> light_pass;
       if (kernel_.make_light_pass != nullptr) {
         light_pass = light_passes_.get(context, number, stats);

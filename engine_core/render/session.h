@@ -86,7 +86,7 @@ class Session {
   Kernel kernel_;
   Film film_;
   PixelFilter2d filter_;
-  std::vector<Batch> plan_;
+  BatchPlan plan_;
   LightPassQueue light_passes_;
   std::once_flag planned_;
   std::unique_ptr<const Plan> plan_of_method_;

@@ -12,8 +12,8 @@ from functools import cache
 import numpy as np
 import pytest
 from bidirectional_scenes import MATERIALS, SUN, build, look_at
-from scenes import SceneBuilder, background, picture, pictures, quad
-from statistics_tools import Array, assert_equal_means
+from scenes import SceneBuilder, background, diffuse, picture, pictures, quad
+from statistics_tools import Array, assert_equal_means, block_means
 
 SEEDS = 6
 SAMPLES = 48
@@ -88,3 +88,58 @@ def test_threads_leave_the_picture() -> None:
     settings = {"integrator": "VCM", "samples": 4}
     one, three = (picture(scene, threads=threads, **settings) for threads in (1, 3))
     np.testing.assert_allclose(three, one, rtol=1e-6, atol=1e-9)
+
+
+#: Edges, corners and a coarse ball; a hard-edged spot; light through narrow glass.
+UNEVEN = {"principled": "area", "diffuse": "spot", "rough_glass": "many"}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("material", UNEVEN)
+def test_blur_is_bounded_by_what_half_of_the_radius_changes(material: str, method: str) -> None:
+    """What falls beside an edge is lost in proportion to the radius, all else to its square: so
+    the bias is no more than twice what half of the radius makes of it."""
+    scene = build(material, UNEVEN[material])
+    shots = {
+        radius: pictures(
+            scene,
+            SEEDS,
+            integrator="VCM",
+            samples=64,
+            max_bounces=4,
+            merge_radius=radius,
+            merge_alpha=1.0,
+            **METHODS[method],
+        )
+        for radius in (1.0, 0.5)
+    }
+    path = pictures(scene, SEEDS, samples=128, max_bounces=4)
+    wide, narrow, truth = (block_means(p, 6) for p in (shots[1.0], shots[0.5], path))
+    noise = [x.std(axis=0, ddof=1) / np.sqrt(SEEDS) for x in (wide, narrow, truth)]
+    bias = abs(wide.mean(axis=0) - truth.mean(axis=0))
+    bound = 2 * abs(wide.mean(axis=0) - narrow.mean(axis=0))
+    sigma = np.sqrt(9 * noise[0] ** 2 + 4 * noise[1] ** 2 + noise[2] ** 2)
+    assert (bias <= bound + 5 * sigma).all()
+    # And small in all, at twice the radius of this picture's pixels.
+    assert bias.sum() < (0.12 if method == "merging" else 0.04) * truth.mean(axis=0).sum()
+
+
+@pytest.mark.parametrize("alpha", [0.5, 0.75, 1.0])
+def test_noise_falls_at_the_published_rate(alpha: float) -> None:
+    """A sample's variance goes with the inverse of its disk's area, that of n together with n to
+    the power of -alpha (Kaplanyan and Dachsbacher 2013, section 4)."""
+    scene = SceneBuilder((12, 12))
+    scene.add(quad((-20, -20, 0), (40, 0, 0), (0, 40, 0)), diffuse(0.5))
+    scene.light("SUN", transform=look_at((1, -1, 3), (0, 0, 0)), emission=SUN, sun_angle=0.0)
+    scene.camera((0, -1.2, 0.9), (0, 0, 0), fov=20)
+    # Of a sun that is a point, merges alone know, and with few paths in each disk these are as
+    # independent as chance: more would be spread better than that.
+    settings = {"integrator": "VCM", "merge_radius": 0.5, "merge_alpha": alpha,
+                "vcm_connections": 0}  # fmt: skip
+    counts = (8, 32, 128)
+    variances = [
+        pictures(scene, 12, samples=samples, **settings).var(axis=0, ddof=1).mean()
+        for samples in counts
+    ]
+    slope = np.polyfit(np.log(counts), np.log(variances), 1)[0]
+    assert slope == pytest.approx(-alpha, abs=0.12)

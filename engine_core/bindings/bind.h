@@ -22,6 +22,7 @@ void bind_core_probes(nanobind::module_& m);
 void bind_accuracy_probes(nanobind::module_& m);
 void bind_paths_probes(nanobind::module_& m);
 void bind_spatial_probes(nanobind::module_& m);
+void bind_photons_probes(nanobind::module_& m);
 void bind_metropolis_probes(nanobind::module_& m);
 
 }  // namespace vernier

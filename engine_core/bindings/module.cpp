@@ -20,4 +20,5 @@ VERNIER_NB_MODULE(VERNIER_MODULE, m) {
   vernier::bind_paths_probes(probe);
   vernier::bind_metropolis_probes(probe);
   vernier::bind_spatial_probes(probe);
+  vernier::bind_photons_probes(probe);
 }

@@ -160,6 +160,7 @@ void trace_photon(const RenderContext& context, const EmissionGuide& guide, uint
                             stats.rays};
   PhotonVisitor visitor(e, {context.scene, walks.limits.transparent, stats.rays}, walk, kinds,
                         chunk);
+  walk.most_bounces = walks.limits.total - 1;  // where it is gathered it scatters once more
   visitor.begin();
   random_walk(walks, walk, visitor);
   visitor.end();

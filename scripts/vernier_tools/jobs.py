@@ -23,6 +23,8 @@ ENGINES = {
     "vernier-bdpt": "Vernier BDPT",
     "vernier-light": "Vernier Light",
     "vernier-vcm": "Vernier VCM",
+    "vernier-sppm": "Vernier SPPM",
+    "vernier-photon": "Vernier Photon Mapping",
 }
 # What is measured where nothing else is asked for.
 USUAL_ENGINES = ("vernier", "cycles")

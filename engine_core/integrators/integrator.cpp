@@ -1,6 +1,7 @@
 #include "integrators/integrator.h"
 
 #include "integrators/bidirectional.h"
+#include "integrators/mlt.h"
 #include "integrators/path.h"
 #include "integrators/photon_map_integrator.h"
 #include "integrators/pssmlt.h"
@@ -27,6 +28,8 @@ Kernel choose_kernel(const Settings& settings, const Requirements& requirements,
       return photon_map_kernel(settings, requirements, passes);
     case IntegratorKind::kSppm:
       return sppm_kernel(settings, requirements, passes);
+    case IntegratorKind::kMlt:
+      return mlt_kernel(settings, requirements, passes);
   }
   return {.render_tile = path_kernel(settings, requirements, passes)};
 }

@@ -115,6 +115,27 @@ bool LightSampler::is_point(uint32_t light) const {
   return lamp.delta && (lamp.kind == LightKind::kPoint || lamp.kind == LightKind::kSpot);
 }
 
+bool LightSampler::is_plain(uint32_t light) const {
+  const auto whole = [](uint32_t visibility) {
+    return (visibility & kVisibleScattered) == kVisibleScattered;
+  };
+  if (table_->is_triangle(light)) {
+    return whole(table_->scene->instances[table_->triangles[light].instance].visibility);
+  }
+  if (table_->is_environment(light)) {
+    return whole(table_->scene->world_visibility | kVisibleShadow);
+  }
+  return table_->lamp(light).cast_shadow && whole(table_->lamp(light).visibility | kVisibleShadow);
+}
+
+Vec3f LightSampler::center(uint32_t light) const {
+  if (table_->is_triangle(light)) {
+    const TriangleLight& triangle = table_->triangles[light];
+    return triangle.v0 + (triangle.e1 + triangle.e2) * (1.0f / 3.0f);
+  }
+  return table_->lamp(light).center;
+}
+
 bool LightSampler::is_hittable(uint32_t light) const {
   return table_->is_triangle(light) || table_->is_environment(light) ||
          table_->lamp(light).hittable;

@@ -129,6 +129,10 @@ class LightSampler {
   bool is_infinite(uint32_t light) const;
   // Whether the light is a point: sample_emission()'s delta_position.
   bool is_point(uint32_t light) const;
+  // Whether it casts shadows and lights all that it reaches.
+  bool is_plain(uint32_t light) const;
+  // The middle of a light at a finite place, render space.
+  Vec3f center(uint32_t light) const;
   // Whether scattered rays find the light by chance.
   bool is_hittable(uint32_t light) const;
 

@@ -27,10 +27,11 @@ struct Contribution {
     splats.clear();
     target = independent_target = 0;
   }
-  // `worth` is positive.
+  // `worth` 0: chains do not explore it.
   void add(Vec2f raster, Color color, float worth, int s, int t) {
-    const double value = static_cast<double>(luminance(color) * worth);
-    if (value > 0.0) {
+    const float y = luminance(color);
+    if (y > 0.0f) {
+      const double value = static_cast<double>(y * worth);
       splats.push_back({raster, color, s, t, value});
       target += value;
     }

@@ -72,6 +72,8 @@ class TileChains {
     const uint64_t seed =
         hash64(batch_.seed ^ hash64(hash64(batch_.first) + static_cast<uint64_t>(first)));
     Pcg32 rng(seed);
+    explorer_.begin_chain(static_cast<uint64_t>(first / context_.settings.chain_length),
+                          hash64(batch_.seed ^ hash64(~uint64_t{batch_.first})));
     const bool lit = pool_.brightness() > 0.0;
     const double place = rng.next_float();
     if (lit) {

@@ -5,10 +5,10 @@ namespace vernier {
 std::vector<std::string> describe_metropolis_limits(const Settings& settings,
                                                     const Requirements& requirements,
                                                     PassSet passes) {
-  const std::string name =
-      static_cast<IntegratorKind>(settings.integrator) == IntegratorKind::kPssmlt
-          ? "Primary Sample Metropolis"
-          : "Multiplexed Metropolis";
+  const auto kind = static_cast<IntegratorKind>(settings.integrator);
+  const std::string name = kind == IntegratorKind::kPssmlt ? "Primary Sample Metropolis"
+                           : kind == IntegratorKind::kMmlt ? "Multiplexed Metropolis"
+                                                           : "Metropolis Light Transport";
   std::vector<std::string> notes;
   if (!TechniqueSet(settings, requirements).light_paths) {
     notes.push_back(name + " starts no paths at lights here: " +

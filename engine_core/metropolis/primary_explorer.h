@@ -26,8 +26,10 @@ class FilmSpace {
                 static_cast<double>(film.crop[3] - film.crop[1]))) {}
 
   Vec2f raster(Vec2f u) const { return {first_.x + size_.x * u.x, first_.y + size_.y * u.y}; }
-  Vec2f first() const { return first_; }
-  Vec2f size() const { return size_; }
+  bool contains(Vec2f raster) const {
+    return raster.x >= first_.x && raster.y >= first_.y && raster.x <= first_.x + size_.x &&
+           raster.y <= first_.y + size_.y;
+  }
   // Its area over that of the pixels.
   double share() const { return share_; }
 
@@ -37,28 +39,56 @@ class FilmSpace {
 };
 
 // Collects what a tracer finds.
+template <class Hook>
 struct SplatObserver {
   Contribution& out;
   const MetropolisPlan& plan;
-  Vec2f raster;        // of the camera's path
-  float camera_scale;  // of what it finds
-  float scale;         // of all
+  const FilmSpace& film;
+  const LightSampler* held;  // null: chains explore all paths; else those that PathSpace holds
+  Hook& hook;                // told of every splat
+  Vec2f raster;              // of the camera's path
+  float camera_scale;        // of what it finds
+  float scale;               // of all
 
   void emitted(const EmissionSample&) {}
-  void found(const FoundPath& path) {
-    const Vec2f where = path.t == 1 ? path.raster : raster;
-    out.add(where, path.contribution * (path.t == 1 ? scale : camera_scale), plan.worth(where),
-            path.s, path.t);
-  }
+  void found(const FoundPath& path);
 };
+
+struct NoHook {
+  void operator()(const FoundPath&) const {}
+};
+
+// Whether paths that end on the light can be held as values: others are left to independent
+// samples.
+inline bool holds_paths(const LightSampler& lights, uint32_t light) {
+  return light != kNoIndex && lights.is_plain(light) &&
+         (lights.is_delta(light) || lights.is_hittable(light));
+}
+
+template <class Hook>
+void SplatObserver<Hook>::found(const FoundPath& path) {
+  const Vec2f where = path.t == 1 ? path.raster : raster;
+  if (!film.contains(where)) {
+    return;  // it reaches no pixel
+  }
+  const bool explored = held == nullptr || holds_paths(*held, path.light);
+  const size_t before = out.splats.size();
+  out.add(where, path.contribution * (path.t == 1 ? scale : camera_scale),
+          explored ? plan.worth(where) : 0.0f, path.s, path.t);
+  if (out.splats.size() > before) {
+    hook(path);
+  }
+}
 
 // Evaluates whole bidirectional samples: the independent ones of all Metropolis methods.
 class PrimaryEvaluator {
  public:
-  PrimaryEvaluator(const RenderContext& context, RenderStats& stats)
+  // `whole_paths`: chains hold paths themselves, and not the numbers that they are made from.
+  PrimaryEvaluator(const RenderContext& context, RenderStats& stats, bool whole_paths = false)
       : context_(context),
         stats_(stats),
         plan_(static_cast<const MetropolisPlan&>(*context.plan)),
+        held_(whole_paths ? context.scene.lights.get() : nullptr),
         film_(context.scene.film, context.filter),
         techniques_(context.settings, context.scene.requirements) {
     techniques_.least = least_chain_vertices(context.settings);
@@ -67,23 +97,37 @@ class PrimaryEvaluator {
   }
 
   // Evaluates the independent point that `source` makes.
-  void sample(const SobolSampler& source, Contribution& out) {
+  // `hook` is told of each splat's path, while memory() has it.
+  template <class Hook = NoHook>
+  void sample(const SobolSampler& source, Contribution& out, Hook&& hook = {}) {
     samples_.begin(source);
-    evaluate(techniques_, 1.0, out);
+    evaluate(techniques_, 1.0, out, hook);
     out.independent_target = out.target;
   }
+
+  // Tells of the chain that begins: its number within its batch, and a seed that the batch's chains
+  // share.
+  void begin_chain(uint64_t /*number*/, uint64_t /*seed*/) {}
 
   // The path that the camera and the light have made last.
   const BidirectionalMemory& memory() const { return memory_; }
 
  protected:
   // Evaluates the proposal; what is found counts `scale` times.
-  void evaluate(const TechniqueSet& techniques, double scale, Contribution& out) {
+  template <class Hook = NoHook>
+  void evaluate(const TechniqueSet& techniques, double scale, Contribution& out, Hook&& hook = {}) {
     out.clear();
     const PrimarySampler sampler(samples_);
     const Camera& camera = *context_.scene.camera;
-    SplatObserver observer{
-        out, plan_, {}, static_cast<float>(scale * film_.share()), static_cast<float>(scale)};
+    using Observer = SplatObserver<std::remove_reference_t<Hook>>;
+    Observer observer{out,
+                      plan_,
+                      film_,
+                      held_,
+                      hook,
+                      {},
+                      static_cast<float>(scale * film_.share()),
+                      static_cast<float>(scale)};
     CameraRay ray;
     if (techniques.most_camera_bounces >= 0) {
       observer.raster = film_.raster(sampler.get_2d(dimension(CameraDim::kFilter)));
@@ -92,7 +136,7 @@ class PrimaryEvaluator {
                                                      : sampler.get_2d(dimension(CameraDim::kLens)));
     }
     NoPassSample no_passes;
-    BidirectionalTracer<BidirectionalFeatures{false, true}, SplatObserver, PrimarySampler>(
+    BidirectionalTracer<BidirectionalFeatures{false, true}, Observer, PrimarySampler>(
         context_, sampler, stats_, nullptr, no_passes, memory_, observer, techniques)
         .run(ray);
     ++stats_.camera_paths;
@@ -101,6 +145,7 @@ class PrimaryEvaluator {
   const RenderContext& context_;
   RenderStats& stats_;
   const MetropolisPlan& plan_;
+  const LightSampler* held_;
   const FilmSpace film_;
   TechniqueSet techniques_;  // of whole samples
   BidirectionalMemory memory_;
@@ -113,6 +158,7 @@ class SampleExplorer : public PrimaryEvaluator {
   using State = Contribution;
   // Whether large steps are samples as independent as those of the pool.
   static constexpr bool kIndependentSteps = true;
+  static constexpr bool kWholePaths = false;
 
   using PrimaryEvaluator::PrimaryEvaluator;
 
@@ -155,6 +201,7 @@ class TechniqueExplorer : public PrimaryEvaluator {
  public:
   using State = Contribution;
   static constexpr bool kIndependentSteps = false;
+  static constexpr bool kWholePaths = false;
 
   using PrimaryEvaluator::PrimaryEvaluator;
 

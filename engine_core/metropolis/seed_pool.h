@@ -89,7 +89,7 @@ class SeedPool : public LightPass {
     const FlushDenormals flush;
     const ChainShare share(plan.scale, size_.independents / size_.mutations);
     const FilteredSplats splats(context.scene.film, context.filter, &splats_);
-    PrimaryEvaluator evaluator(context, stats);
+    PrimaryEvaluator evaluator(context, stats, Explorer::kWholePaths);
     Contribution contribution;
     const auto bound = [&](size_t i) {
       return static_cast<uint32_t>(static_cast<uint64_t>(size_.seeds) * i / kJobs);

@@ -33,6 +33,9 @@ constexpr std::array kIntegrators{
     EnumItem{"SPPM", "Progressive Photon Mapping",
              "A new photon map for every sample, its radius ever smaller: for caustics, above all "
              "those seen in mirrors and through water"},
+    EnumItem{"MLT", "Metropolis Light Transport",
+             "Chains of paths that are changed themselves: parts are grown anew, or moved through "
+             "mirrors and glass. For light that is hard to find, caustics above all"},
 };
 constexpr std::array kPhotonDirect{
     EnumItem{"SHADOW_RAYS", "Shadow Rays", "Sample lights: sharp shadows"},

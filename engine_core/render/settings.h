@@ -23,7 +23,8 @@ enum class IntegratorKind : int {
   kPssmlt,
   kMmlt,
   kPhoton,
-  kSppm
+  kSppm,
+  kMlt
 };
 enum class MisExponent : int { kBalance, kPower };
 enum class PhotonDirect : int { kShadowRays, kPhotons };

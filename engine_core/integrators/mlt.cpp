@@ -1,0 +1,33 @@
+#include "integrators/mlt.h"
+
+#include "metropolis/kernel.h"
+#include "metropolis/path_explorer.h"
+
+namespace vernier {
+
+Kernel mlt_kernel(const Settings& settings, const Requirements& requirements, PassSet passes) {
+  // What a path as a value does not tell: what it has passed straight through, and what its rays
+  // were to what they met.
+  std::string why;
+  if (requirements.transparent_shadows) {
+    why = "some surfaces let light straight through";
+  } else if (requirements.path_dependent) {
+    why = "some materials read what the path has been through";
+  } else if (requirements.hidden_from_rays || requirements.uneven_visibility) {
+    why = "some objects are hidden from some kinds of rays";
+  } else if (BounceLimits::by_kind(settings)) {
+    why = "bounces are limited by kind";
+  }
+  if (why.empty()) {
+    return metropolis_kernel<PathExplorer>(settings, requirements, passes);
+  }
+  Kernel kernel = metropolis_kernel<TechniqueExplorer>(settings, requirements, passes);
+  kernel.notes.insert(
+      kernel.notes.begin(),
+      "Metropolis Light Transport changes the numbers that paths are made from here, "
+      "as Multiplexed Metropolis does: " +
+          why);
+  return kernel;
+}
+
+}  // namespace vernier

@@ -54,7 +54,7 @@ _ONLY_WITH: dict[str, tuple[str, tuple[str, ...]]] = {
     "whitted_depth": ("integrator", ("WHITTED",)),
     "bidirectional": ("integrator", ("BDPT", "VCM")),
     "merging": ("integrator", ("VCM",)),
-    "metropolis": ("integrator", ("PSSMLT", "MMLT")),
+    "metropolis": ("integrator", ("PSSMLT", "MMLT", "MLT")),
     "light_fraction": ("direct_light", ("MIXTURE",)),
 }
 _PASSES = (

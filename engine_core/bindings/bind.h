@@ -24,5 +24,6 @@ void bind_paths_probes(nanobind::module_& m);
 void bind_spatial_probes(nanobind::module_& m);
 void bind_photons_probes(nanobind::module_& m);
 void bind_metropolis_probes(nanobind::module_& m);
+void bind_mutation_probes(nanobind::module_& m);
 
 }  // namespace vernier

@@ -19,6 +19,7 @@ VERNIER_NB_MODULE(VERNIER_MODULE, m) {
   vernier::bind_accuracy_probes(probe);
   vernier::bind_paths_probes(probe);
   vernier::bind_metropolis_probes(probe);
+  vernier::bind_mutation_probes(probe);
   vernier::bind_spatial_probes(probe);
   vernier::bind_photons_probes(probe);
 }

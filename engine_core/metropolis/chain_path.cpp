@@ -187,7 +187,7 @@ bool PathSpace::join(PathState& path, size_t i) const {
   a.event = b.event = 0;
   b.point = seen_from(b.point, -a.to_light);
   ++stats_.rays;
-  return !scene_.occluded_by_opaque(spawn_segment(a.point, b.point));
+  return !scene_.occluded_by_opaque(spawn_segment(a.point, b.point, a.to_light));
 }
 
 bool PathSpace::join_lens(PathState& path) {
@@ -205,7 +205,8 @@ bool PathSpace::join_lens(PathState& path) {
   v.event = 0;
   v.point = seen_from(v.point, c->wi);
   ++stats_.rays;
-  return !scene_.occluded_by_opaque(spawn_segment(c->p_lens - c->wi * c->clip_begin, v.point));
+  return !scene_.occluded_by_opaque(
+      spawn_segment(c->p_lens - c->wi * c->clip_begin, v.point, c->wi));
 }
 
 // Traces from the last surface along its to_light: the lights there, among them `wanted` (kNoIndex:

@@ -79,12 +79,12 @@ class TileChains {
     if (lit) {
       const uint32_t start =
           pool_.choose((first + place * static_cast<double>(count)) / pool_.size().mutations);
-      explorer_.start(seed_sampler(batch_, pool_.size(), start), rng, chain_);
+      const double target = explorer_.start(seed_sampler(batch_, pool_.size(), start), rng, chain_);
       chain_.pending = 0.0;
       if (context_.cancelled) {
         return;
       }
-      if (!(chain_.current.target > 0.0)) {
+      if (target != pool_.target(start) || !(chain_.current.target > 0.0)) {
         throw std::logic_error("a chain's start is not what it was");
       }
     } else {
@@ -93,9 +93,9 @@ class TileChains {
     const auto record = [this](const Contribution& c, double visits) {
       splat(c, visits * pool_.brightness() / c.target * share_.chain(c.independent_target));
     };
-    const auto large_steps = static_cast<float>(context_.settings.large_steps);
+    const auto large_part = static_cast<float>(vernier::large_steps<Explorer>(context_.settings));
     for (uint64_t i = 0; i < count && !context_.cancelled; ++i) {
-      const bool large = explorer_.random() < large_steps;
+      const bool large = explorer_.random() < large_part;
       if (!lit && !(large && Explorer::kIndependentSteps)) {
         continue;
       }

@@ -8,7 +8,7 @@ namespace {
 
 // How often each mutation is tried, of those that are no large steps. They are the same for all
 // paths: what does not suit one is a rejection that costs nothing.
-constexpr float kBidirectional = 0.3f, kFromCamera = 0.35f, kFromLight = 0.15f;
+constexpr float kBidirectional = 0.3f, kFromCamera = 0.4f, kFromLight = 0.1f;
 
 }  // namespace
 
@@ -64,7 +64,7 @@ bool take_path(PathSpace& space, const FoundPath& found, const BidirectionalMemo
   return space.see_lens(raster, path) && space.see_light(path) && space.evaluate(path);
 }
 
-void PathExplorer::start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain) {
+double PathExplorer::start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain) {
   evaluator_.sample(source, sample_);
   space_.seed(Pcg32(rng.next()));
   double left = static_cast<double>(rng.next_float()) * sample_.target;
@@ -95,6 +95,7 @@ void PathExplorer::start(const SobolSampler& source, Pcg32& rng, MarkovChain<Sta
     at.target = sample_.splats[chosen].target;
     at.independent_target = static_cast<double>(kInfinity);
   }
+  return sample_.target;
 }
 
 Vec2f PathExplorer::stratified_raster() {

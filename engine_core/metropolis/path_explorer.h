@@ -11,6 +11,8 @@ class PathExplorer {
   using State = PathState;
   static constexpr bool kIndependentSteps = false;
   static constexpr bool kWholePaths = true;
+  // As for the other methods. A mutation costs less than half of an independent sample here.
+  static constexpr double kPoolShare = 0.15, kLargeSteps = 0.05;
 
   PathExplorer(const RenderContext& context, RenderStats& stats)
       : stats_(stats), evaluator_(context, stats, true), space_(context, stats) {}
@@ -21,7 +23,7 @@ class PathExplorer {
     step_ = 0;
   }
   // Starts at one of the paths of an independent sample, in proportion to their targets.
-  void start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain);
+  double start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain);
   void start(Pcg32& rng) { space_.seed(Pcg32(rng.next())); }
 
   double propose(MarkovChain<State>& chain, bool large);

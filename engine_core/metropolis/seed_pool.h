@@ -30,17 +30,18 @@ struct PoolSize {
   int log2_seeds;       // rounded up
   double independents;  // expected number of them and of large steps together
 
-  PoolSize(const RenderContext& context, const Batch& batch, bool independent_steps) {
+  // `share`: the pool's size over the number of mutations. `large_steps`: the part of them that are
+  // independent samples too.
+  PoolSize(const RenderContext& context, const Batch& batch, double share, double large_steps) {
     const std::array<int32_t, 4>& crop = context.scene.film.crop;
     pixels = static_cast<double>(crop[2] - crop[0]) * static_cast<double>(crop[3] - crop[1]);
     mutations = pixels * batch.samples;
-    seeds = static_cast<uint32_t>(std::clamp(kShare * mutations, kLeast, kMost));
+    seeds = static_cast<uint32_t>(std::clamp(share * mutations, kLeast, kMost));
     log2_seeds = std::bit_width(seeds - 1u);
-    independents = seeds + (independent_steps ? context.settings.large_steps * mutations : 0.0);
+    independents = seeds + large_steps * mutations;
   }
 
  private:
-  static constexpr double kShare = 0.25;  // of the mutations
   static constexpr double kLeast = 64, kMost = 1 << 22;
 };
 
@@ -64,12 +65,19 @@ inline SobolSampler seed_sampler(const Batch& batch, const PoolSize& size, uint3
   return {0, 0, number, size.log2_seeds, hash64(batch.seed ^ hash64(0x706f6f6cull + batch.first))};
 }
 
+// The part of a method's mutations that leave the path for a new one.
+template <class Explorer>
+double large_steps(const Settings& settings) {
+  return settings.large_steps > 0.0 ? settings.large_steps : Explorer::kLargeSteps;
+}
+
 template <class Explorer>
 class SeedPool : public LightPass {
  public:
   SeedPool(const RenderContext& context, const Batch& batch)
       : batch_(batch),
-        size_(context, batch, Explorer::kIndependentSteps),
+        size_(context, batch, Explorer::kPoolShare,
+              Explorer::kIndependentSteps ? large_steps<Explorer>(context.settings) : 0.0),
         targets_(size_.seeds),
         splats_(context.scene.film.crop[2] - context.scene.film.crop[0],
                 context.scene.film.crop[3] - context.scene.film.crop[1], false) {}

@@ -206,8 +206,8 @@ const std::array kParameters{
             "Separate Direct Light",
             "1: direct light is sampled as in path tracing, and the chains have the rest; 0: the "
             "chains find direct light too"),
-    real("metropolis", "large_steps", &Settings::large_steps, 0.001, 1, 0.05, 0.9, "Large Steps",
-         "The part of mutations that leave the path for a new one"),
+    real("metropolis", "large_steps", &Settings::large_steps, 0, 1, 0, 0.9, "Large Steps",
+         "The part of mutations that leave the path for a new one; 0: as suits the method"),
     integer("metropolis", "chain_length", &Settings::chain_length, 1, 1 << 24, 64, 65536,
             "Chain Length", "Mutations after which a chain starts anew"),
     choice("photons", "photon_direct", &Settings::photon_direct, kPhotonDirect, "Direct Light",

@@ -59,8 +59,8 @@ struct Settings {
   double merge_radius = 2.0;
   double merge_alpha = 0.75;
   int separate_direct = 1;
-  double large_steps = 0.25;
-  int chain_length = 1024;
+  double large_steps = 0.0;
+  int chain_length = 256;
   int global_photons = 100000;
   int caustic_photons = 100000;
   int photon_neighbours = 50;

@@ -14,9 +14,9 @@ from statistics_tools import assert_equal_means
 
 import engine_core
 
-METHODS = ["PSSMLT", "MMLT"]
+METHODS = ["PSSMLT", "MMLT", "MLT"]
 SEEDS = 8
-SAMPLES = {"PATH": 64, "PSSMLT": 24, "MMLT": 48}
+SAMPLES = {"PATH": 64, "PSSMLT": 24, "MMLT": 48, "MLT": 48}
 
 SCENES: dict[str, Callable[[], Any]] = {
     **{

@@ -27,6 +27,8 @@ PICTURES = (
     ("caustics", "bdpt", 60.0),
     ("lamp_interior", "path", 60.0),
     ("lamp_interior", "bdpt", 60.0),
+    ("pool", "bdpt", 60.0),
+    ("pool", "vcm", 60.0),
 )
 PICTURE_SIZE = "480x300"
 

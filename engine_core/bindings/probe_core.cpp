@@ -10,6 +10,7 @@
 #include "bindings/bind.h"
 #include "bindings/table.h"
 #include "camera/camera.h"
+#include "render/film.h"
 #include "sampling/pixel_filter.h"
 #include "sampling/sobol.h"
 #include "scene/scene.h"
@@ -125,6 +126,35 @@ std::vector<std::array<uint32_t, 3>> triangulate_polygon(const Rows3& polygon) {
   return triangles;
 }
 
+// What a film of one pixel shows after `batches` batches of `samples` samples of one value each: red
+// of the picture and of its emission pass, and the number of samples.
+std::array<float, 3> accumulated(float value, uint32_t samples, uint64_t batches) {
+  PassSet passes;
+  for (const Pass pass : {Pass::kCombined, Pass::kEmission, Pass::kSampleCount}) {
+    passes.add(pass);
+  }
+  Film film(1, 1, passes, 1.0f);
+  PassSample sample;
+  sample.emission = splat(value);
+  Batch batch;
+  batch.samples = samples;
+  for (uint64_t number = 0; number < batches; ++number) {
+    TileBuffer buffer = film.buffer(0, number, batch);
+    for (uint32_t i = 0; i < samples; ++i) {
+      buffer.pixel(0, 0).add(splat(value), 1.0f);
+      buffer.add_passes(0, 0, sample, false);
+    }
+    film.merge(0, number, std::move(buffer));
+  }
+  std::array<float, 4> combined{};
+  std::array<float, 3> emission{};
+  std::array<float, 1> count{};
+  film.read(Pass::kCombined, {0, 0, 1, 1}, combined);
+  film.read(Pass::kEmission, {0, 0, 1, 1}, emission);
+  film.read(Pass::kSampleCount, {0, 0, 1, 1}, count);
+  return {combined[0], emission[0], count[0]};
+}
+
 }  // namespace
 
 void bind_core_probes(nb::module_& m) {
@@ -134,6 +164,7 @@ void bind_core_probes(nb::module_& m) {
   m.def("filter_offsets", &filter_offsets);
   m.def("filter_densities", &filter_densities);
   m.def("triangulate", &triangulate_polygon);
+  m.def("accumulated", &accumulated, nb::call_guard<nb::gil_scoped_release>());
 }
 
 }  // namespace vernier

@@ -129,7 +129,7 @@ TileBuffer::TileBuffer(PassSet passes, const Tile& tile, const Batch& batch,
 }
 
 void TileBuffer::add_passes(int x, int y, const PassSample& sample, bool first) {
-  float* out = values_.data() + index(x, y) * static_cast<size_t>(sampled_channels(passes_));
+  double* out = values_.data() + index(x, y) * static_cast<size_t>(sampled_channels(passes_));
   for (int i = 0; i < kPassCount; ++i) {
     const auto pass = static_cast<Pass>(i);
     if (!passes_.has(pass) || !is_sampled(pass)) {
@@ -139,7 +139,7 @@ void TileBuffer::add_passes(int x, int y, const PassSample& sample, bool first) 
     const auto channels = static_cast<int>(info(pass).channels.size());
     if (info(pass).kind != PassKind::kFirstSample || first) {
       for (int c = 0; c < channels; ++c) {
-        out[c] += value[c];
+        out[c] += static_cast<double>(value[c]);
       }
     }
     out += channels;
@@ -238,14 +238,14 @@ Film::SplatChannels Film::splat_channels() const {
 }
 
 void Film::add_splats(const SplatFrame& splats, const SplatChannels& channels, size_t pixel,
-                      PixelBatch& batch, float* values) {
+                      PixelBatch& batch, double* values) {
   const double* c = splats.sum(0, pixel);
   batch.r += c[0], batch.g += c[1], batch.b += c[2];
   for (size_t plane = 0; splats.has_passes() && plane < channels.size(); ++plane) {
     if (channels[plane] >= 0) {
       const double* light = splats.sum(SplatFrame::kDirectPlane + plane, pixel);
       for (int channel = 0; channel < 3; ++channel) {
-        values[channels[plane] + channel] += static_cast<float>(light[channel]);
+        values[channels[plane] + channel] += light[channel];
       }
     }
   }
@@ -295,20 +295,20 @@ void Film::read_pixel(Pass pass, size_t pixel, uint32_t samples, float* out) con
     out[0] = static_cast<float>(samples);
     return;
   }
-  const float* values = values_.data() + pixel * static_cast<size_t>(sampled_channels(passes_));
-  const float* value = values + channel_offset(passes_, pass);
-  const float* color =
+  const double* values = values_.data() + pixel * static_cast<size_t>(sampled_channels(passes_));
+  const double* value = values + channel_offset(passes_, pass);
+  const double* color =
       what.kind == PassKind::kLight ? values + channel_offset(passes_, what.color) : nullptr;
   const bool is_light =
       what.kind == PassKind::kLight || pass == Pass::kEmission || pass == Pass::kEnvironment;
-  if (pass == Pass::kDepth && samples > 0 && !(value[0] > 0.0f)) {
+  if (pass == Pass::kDepth && samples > 0 && !(value[0] > 0.0)) {
     out[0] = kNoDepth;
     return;
   }
   for (size_t c = 0; c < what.channels.size(); ++c) {
-    double v = static_cast<double>(value[c]);
+    double v = value[c];
     if (color != nullptr) {
-      v = color[c] > 0.0f ? v / static_cast<double>(color[c]) : 0.0;
+      v = color[c] > 0.0 ? v / color[c] : 0.0;
     } else if (what.kind != PassKind::kFirstSample) {
       v *= inv;
     }

@@ -74,7 +74,7 @@ class TileBuffer {
   uint32_t samples_;
   bool second_net_;
   std::vector<PixelBatch> pixels_;
-  std::vector<float> values_;  // by pixel: the channels of all sampled passes
+  std::vector<double> values_;  // by pixel: the channels of all sampled passes
   std::shared_ptr<SplatFrame> splats_;
   size_t number_ = 0;  // of the tile, where it waits for its frame
 };
@@ -141,7 +141,7 @@ class Film {
   using SplatChannels = std::array<int, SplatFrame::kPlanesWithPasses - SplatFrame::kDirectPlane>;
   SplatChannels splat_channels() const;
   static void add_splats(const SplatFrame& splats, const SplatChannels& channels, size_t pixel,
-                         PixelBatch& batch, float* values);
+                         PixelBatch& batch, double* values);
   Merged merge_frame(uint64_t batch, TileBuffer&& buffer);
   static double luminance_sum(const Pixel& p);
   // What is known of each pixel by itself; of `width_` times `height_`.
@@ -162,7 +162,9 @@ class Film {
   std::vector<Tile> tiles_;
   std::vector<Pixel> pixels_;
   std::vector<BatchCounts> counts_;  // by tile
-  std::vector<float> values_;
+  // In float32 a sum stops growing where a batch is less than its last place: a pass of as many
+  // samples as a render may have would be dark.
+  std::vector<double> values_;
   std::vector<Arrivals> arrivals_;               // by tile
   mutable std::unique_ptr<std::mutex[]> locks_;  // by tile
   std::atomic<uint64_t> pixel_samples_{0};

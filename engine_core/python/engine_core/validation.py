@@ -45,6 +45,17 @@ _ALPHAS = ("STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE")
 
 def validate(description: SceneDescription) -> None:
     """Raises DescriptionError unless `description` keeps every rule."""
+    try:
+        _check(description)
+    except DescriptionError:
+        raise
+    except (TypeError, AttributeError, ValueError, OverflowError, LookupError) as error:
+        # A part is of another type than its field says: it cannot even be looked at.
+        what = " ".join(str(error).split())
+        raise DescriptionError(f"the description is malformed: {what}") from error
+
+
+def _check(description: SceneDescription) -> None:
     images = len(description.images)
     for mesh in description.meshes:
         _check_mesh(mesh)

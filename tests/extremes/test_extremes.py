@@ -1,4 +1,5 @@
-"""The bounded run of the suite of extremes: every case that is not large, by every method.
+"""The bounded run of the suite of extremes: every case that is not large by path tracing, and a part
+of them by each other method.
 
 `scripts/extremes` runs all of it with more samples.
 """
@@ -13,8 +14,8 @@ from extreme_runner import Effort, Runner
 
 RUNS = [
     pytest.param(case, integrator, id=f"{case.title} by {integrator}")
-    for case in all_cases()
-    for integrator in bounded_methods_of(case)
+    for number, case in enumerate(all_cases())
+    for integrator in bounded_methods_of(case, number)
 ]
 RUNNER = Runner(Effort())
 

@@ -195,10 +195,37 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
+def extremes(arguments: Sequence[str]) -> argparse.Namespace:
+    """Of scripts/extremes."""
+    parser = Parser(
+        prog="scripts/extremes",
+        description="Renders every case of the suite of extremes by every method, judges what each "
+        "must show, and writes a table and pictures of the farthest off.",
+    )
+    parser.add_argument(
+        "--only", default="", metavar="TEXT", help="cases whose title and method hold this text"
+    )
+    parser.add_argument(
+        "--share", type=positive_float, default=4.0, help="of the cases' usual samples (4)"
+    )
+    parser.add_argument("--pictures", type=positive_int, default=8, help="independent ones (8)")
+    parser.add_argument("--quick", action="store_true", help="without large cases and long paths")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("out", "extremes"),
+        metavar="DIR",
+        help="default: %(default)s",
+    )
+    return parser.parse_args(arguments)
+
+
 COMMANDS: dict[str, Callable[[Sequence[str]], argparse.Namespace]] = {
     "render": render,
     "compare": compare,
     "benchmark": benchmark,
+    "extremes": extremes,
 }
 
 if __name__ == "__main__":

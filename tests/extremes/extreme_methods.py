@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from extreme_cases.case import Case, Needs
 
@@ -14,6 +15,10 @@ class Method:
     lacks: Needs = Needs.NOTHING
     #: Relative error that the method has by itself at a finite number of samples.
     bias: float = 0.0
+    #: Other settings than a case's, so that a small picture costs little.
+    settings: Mapping[str, object] = field(default_factory=dict)
+    #: Of the cases, the bounded run has one in this many; by path tracing it has all.
+    every: int = 6
     #: Joins every vertex to every other: long paths take the square of their length.
     joins: bool = False
 
@@ -25,6 +30,18 @@ METHODS = {
     # What it merges is blurred over the radius, which the few samples of a case leave large: some
     # pixels' footprints, and so larger than the room where the view is widest.
     "VCM": Method(Needs.AIM, bias=0.1, joins=True),
+    "SPPM": Method(Needs.AIM, bias=0.15),
+    "PHOTON": Method(
+        Needs.AIM,
+        bias=0.15,
+        settings={
+            "global_photons": 2000,
+            "caustic_photons": 2000,
+            "final_gather_rays": 2,
+            "photon_neighbours": 20,
+        },
+        every=24,
+    ),
 }
 
 INTEGRATORS = [
@@ -48,10 +65,6 @@ def methods_of(case: Case) -> list[str]:
     ]
 
 
-#: Of the cases, the bounded run has one in this many by each method; by path tracing it has all.
-BOUNDED_SHARE = 4
-
-
 def bounded_methods_of(case: Case, number: int) -> list[str]:
     """Those of them that have case number `number` in the bounded run: all have their turn."""
     if case.large:
@@ -60,5 +73,5 @@ def bounded_methods_of(case: Case, number: int) -> list[str]:
         name
         for name in methods_of(case)
         if name == "PATH"
-        or (not case.deep and (number + INTEGRATORS.index(name)) % BOUNDED_SHARE == 0)
+        or (not case.deep and (number + INTEGRATORS.index(name)) % method(name).every == 0)
     ]

@@ -69,13 +69,14 @@ class Runner:
         self.effort = effort
         self._others: dict[object, Shots] = {}
 
-    def settings(self, case: Case) -> dict[str, object]:
-        return {**case.settings, "samples": max(1, round(case.samples * self.effort.share))}
+    def settings(self, case: Case, integrator: str) -> dict[str, object]:
+        settings = {**case.settings, **method(integrator).settings}
+        return {**settings, "samples": max(1, round(case.samples * self.effort.share))}
 
     def run(self, case: Case, integrator: str) -> Result:
         begun = time.monotonic()
         count = self.effort.pictures if case.noisy else 1
-        shots = shoot(case.build(), integrator, self.settings(case), count)
+        shots = shoot(case.build(), integrator, self.settings(case, integrator), count)
         verdict = judge(
             case.expects,
             shots,
@@ -88,7 +89,7 @@ class Runner:
     def other(self, expected: Same, case: Case, integrator: str) -> Shots:
         """With other seeds where the scene and the method are the same."""
         chosen = "PATH" if expected.of_paths else integrator
-        settings = self.settings(case)
+        settings = self.settings(case, chosen)
         key = (repr(expected.other), chosen, tuple(sorted(settings.items())))
         if key not in self._others:
             self._others[key] = shoot(expected.other(), chosen, settings, self.effort.pictures)

@@ -1,5 +1,5 @@
-"""The bounded run of the suite of extremes: every case that is not large by path tracing, and a part
-of them by each other method.
+"""The bounded run of the suite of extremes: every case that is not large by path tracing, and of
+them a part by each other method.
 
 `scripts/extremes` runs all of it with more samples.
 """

@@ -126,8 +126,8 @@ std::vector<std::array<uint32_t, 3>> triangulate_polygon(const Rows3& polygon) {
   return triangles;
 }
 
-// What a film of one pixel shows after `batches` batches of `samples` samples of one value each: red
-// of the picture and of its emission pass, and the number of samples.
+// What a film of one pixel shows after `batches` batches of `samples` samples of one value each:
+// red of the picture and of its emission pass, and the number of samples.
 std::array<float, 3> accumulated(float value, uint32_t samples, uint64_t batches) {
   PassSet passes;
   for (const Pass pass : {Pass::kCombined, Pass::kEmission, Pass::kSampleCount}) {

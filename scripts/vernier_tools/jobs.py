@@ -25,6 +25,9 @@ ENGINES = {
     "vernier-vcm": "Vernier VCM",
     "vernier-sppm": "Vernier SPPM",
     "vernier-photon": "Vernier Photon Mapping",
+    "vernier-pssmlt": "Vernier PSSMLT",
+    "vernier-mmlt": "Vernier MMLT",
+    "vernier-mlt": "Vernier MLT",
 }
 # What is measured where nothing else is asked for.
 USUAL_ENGINES = ("vernier", "cycles")

@@ -140,3 +140,19 @@ def test_scale_leaves_the_picture(method: str, scale: float) -> None:
     small = pictures(scaled(build("diffuse", "many"), scale), SEEDS, integrator=method,
                      samples=SAMPLES[method], max_bounces=4)  # fmt: skip
     assert_equal_means(plain, small, block=6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_one_bright_pixel_beside_darkness(method: str) -> None:
+    """Nearly all light is in a corner of the frame, 1e9 times as bright as the rest."""
+    builder = SceneBuilder((16, 16))
+    for x, strength in ((-2.6, 1e9), (0.6, 1.0)):
+        builder.add(quad((x, 0, 0), (2, 0, 0), (0, 2, 0)), diffuse(0.6))
+        builder.add(quad((x, 1, 0), (2, 0, 0), (0, 0, 1)), diffuse(0.6))
+        builder.light("POINT", transform=placed(1.0, (x + 1, 0.5, 0.5)), emission=(strength,) * 3)
+    builder.camera((1.2, 0.4, 6), (1.2, 0.4, 0), fov=28)
+    path = pictures(builder, SEEDS, samples=64, max_bounces=4)
+    made = pictures(builder, SEEDS, integrator=method, samples=48, max_bounces=4)
+    assert np.isfinite(made).all()
+    assert_equal_means(path, made, block=16)
+    session(builder, integrator=method, samples=4)

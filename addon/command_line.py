@@ -69,7 +69,7 @@ def _parsed(parameter: Any, option: str, text: str) -> Value:
             raise OptionError(f"{option}: {text!r} is not one of {', '.join(items).lower()}")
         return text.upper()
     try:
-        number = int(text) if parameter.type == "int" else float(text)
+        number = int(text) if parameter.type == "int" else float(text.removesuffix("%"))
     except ValueError:
         number = None
     if number is None or not parameter.min <= number <= parameter.max:

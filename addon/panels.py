@@ -52,7 +52,7 @@ _TITLES = {
 # Settings, or whole groups, that count only with certain values of another setting.
 _ONLY_WITH: dict[str, tuple[str, tuple[str, ...]]] = {
     "whitted_depth": ("integrator", ("WHITTED",)),
-    "bidirectional": ("integrator", ("BDPT", "VCM")),
+    "bidirectional": ("integrator", ("BDPT", "VCM", "AUTO")),
     "merging": ("integrator", ("VCM",)),
     "metropolis": ("integrator", ("PSSMLT", "MMLT", "MLT")),
     "light_fraction": ("direct_light", ("MIXTURE",)),
@@ -97,6 +97,8 @@ def _draw_group(group: str) -> Any:
         if group == "film":
             layout.prop(context.scene.render, "film_transparent", text="Transparent")
         if group == "performance":
+            layout.prop(context.scene.vernier, "checkpoint")
+            layout.prop(context.scene.vernier, "resume")
             layout.prop(context.scene.render, "preview_pixel_size", text="Viewport Pixel Size")
             layout.prop(context.scene.vernier, "preview_pause")
 

@@ -82,6 +82,8 @@ def stats_line(progress: Any, time_left: bool = True) -> str:
     parts = [f"Sample {progress.samples:.0f}/{progress.samples_target:.0f}"]
     if time_left and math.isfinite(progress.seconds_left):
         parts.append(f"Time left {duration(progress.seconds_left)}")
+    if progress.ending == "target":
+        parts.append("Target reached")
     if math.isfinite(progress.error):
         parts.append(f"Error {100.0 * progress.error:.2g} %")
     return " | ".join(parts)

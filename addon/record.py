@@ -12,13 +12,15 @@ class RenderRecord:
     """One view layer of one frame. Times are those of `time.perf_counter`, in seconds.
 
     `progress` is the core's last word: samples, seconds, rays, error. `messages` are all warnings,
-    also those that were too many for Blender's own report.
+    also those that were too many for Blender's own report. `choice` tells why Auto chose the method
+    that rendered; empty where the settings named one.
     """
 
     layer: str
     progress: Any
     messages: tuple[str, ...]
     threads: int
+    choice: str
     called: float
     described: float
     compiled: float

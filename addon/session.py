@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 import bpy
 from engine_core.description import SceneDescription
 
+from .checkpoint import Checkpoint
 from .core import core
 from .passes import RenderPass, wanted_passes
 from .progress import ProgressLines, show_progress
@@ -85,22 +87,34 @@ class FinalRender:
         engine.update_stats("", "Building")
         described = time.perf_counter()
         threads = int(values["threads"])
+        checkpoint = Checkpoint(scene, description, engine.is_preview)
         compiled = self._compile(description, threads, keep_uv, consume=not keep)
         built = time.perf_counter()
-        session = core().Session(compiled, values, [item.name for item in passes])
+        session = self._session(compiled, values, [item.name for item in passes], checkpoint)
         messages = [*messages, *compiled.warnings, *session.notes]
         self._report(messages)
+        if session.choice and not engine.is_preview:
+            engine.report({"INFO"}, session.choice)
         x0, y0, x1, y1 = description.film.crop
         picture = _Picture(engine, layer.name, session, passes, x1 - x0, y1 - y0)
         self._lines = ProgressLines(scene, layer.name)
-        progress = self._render(session, picture)
+        self._checkpoint = checkpoint
+        checkpoint.begin(session)
+        try:
+            progress = self._render(session, picture)
+        finally:
+            checkpoint.end()
         late = [note for note in session.notes if note not in messages]
         self._report(late)
         messages += late
         if not engine.is_preview:
             ended = time.perf_counter()
             times = (called, described, built, picture.first_shown, ended)
-            tell(RenderRecord(layer.name, progress, tuple(messages), session.threads, *times))
+            tell(
+                RenderRecord(
+                    layer.name, progress, tuple(messages), session.threads, session.choice, *times
+                )
+            )
 
     def _report(self, messages: list[str]) -> None:
         if self._engine.is_preview:
@@ -114,19 +128,46 @@ class FinalRender:
     def _compile(
         self, description: SceneDescription, threads: int, keep_uv: bool, consume: bool
     ) -> Any:
-        """Compiles in a thread of its own, so that this one goes on asking for cancel."""
         module = core()
+        return self._apart(
+            lambda stop: module.compile(description, threads, keep_uv, stop.is_set, consume)
+        )
+
+    def _session(
+        self,
+        compiled: Any,
+        values: dict[str, Any],
+        passes: list[str],
+        checkpoint: Checkpoint,
+    ) -> Any:
+        module = core()
+        if values["integrator"] == "AUTO":
+            if self._engine.is_preview:
+                values["integrator"] = "PATH"
+            else:
+                self._engine.update_stats("", "Choosing the method")
+        return self._apart(
+            lambda stop: module.Session(
+                compiled, values, passes, resume=checkpoint.resume, digest=checkpoint.digest
+            )
+        )
+
+    def _apart(self, make: Callable[[threading.Event], Any]) -> Any:
+        """Makes something in a thread of its own, so that this one goes on asking for cancel.
+
+        The event that `make` is handed is set when it is not wanted any more.
+        """
         results: list[Any] = []
         errors: list[BaseException] = []
         stop = threading.Event()
 
         def work() -> None:
             try:
-                results.append(module.compile(description, threads, keep_uv, stop.is_set, consume))
+                results.append(make(stop))
             except BaseException as error:  # handed to the thread that waits
                 errors.append(error)
 
-        thread = threading.Thread(target=work, name="vernier compile", daemon=True)
+        thread = threading.Thread(target=work, name="vernier prepare", daemon=True)
         thread.start()
         while thread.is_alive():
             thread.join(POLL_SECONDS)
@@ -155,14 +196,29 @@ class FinalRender:
                 spent = time.perf_counter() - now
                 next_stats = now + max(_STATS_SECONDS, spent / _DISPLAY_SHARE)
             picture.show_changes()
+            self._checkpoint.save_when_due()
         while not session.wait(POLL_SECONDS):
             pass
         progress = show_progress(engine, session, with_error=not cancelled)
         self._lines.end(progress)
         picture.show_all(final=True)
+        picture.describe(_metadata(session, progress))
         if session.error_message and not cancelled:
             raise ValueError(session.error_message)
         return progress
+
+
+def _metadata(session: Any, progress: Any) -> dict[str, str]:
+    """What a picture's file says of how it came about."""
+    fields = {
+        "integrator": session.integrator.lower(),
+        "samples": f"{progress.samples:.6g}",
+        "seconds": f"{progress.seconds:.2f}",
+        "ended by": progress.ending,
+        "error": f"{100.0 * progress.error:.3g} %",
+        "confidence": "95 %",
+    }
+    return fields | ({"choice": session.choice} if session.choice else {})
 
 
 class _Picture:
@@ -207,6 +263,12 @@ class _Picture:
 
     def show_all(self, final: bool) -> None:
         self._hand_over(0, 0, *self._size, final=final)
+
+    def describe(self, fields: dict[str, str]) -> None:
+        """Adds to the metadata of the picture's file."""
+        result = self._engine.get_result()
+        for field, value in fields.items() if result is not None else ():
+            result.stamp_data_add_field(f"Vernier {self._layer} {field}", value)
 
     def _hand_over(self, x: int, y: int, width: int, height: int, final: bool) -> None:
         """Copies a rectangle of every pass; x and y count from the lower left of the border."""

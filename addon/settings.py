@@ -6,7 +6,14 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from .command_line import overrides
 from .core import CoreMissingError, core
@@ -28,6 +35,23 @@ def _viewport_rows() -> dict[str, Any]:
         "preview_pause": BoolProperty(
             name="Pause Viewport",
             description="Keep what the 3D viewport shows in rendered mode, and take up edits later",
+        ),
+    }
+
+
+def _state_rows() -> dict[str, Any]:
+    """Where a final render keeps its state, which the core is told when it renders."""
+    return {
+        "checkpoint": StringProperty(
+            name="Checkpoint",
+            description="File that keeps the state of final renders: every minute, in the end, and "
+            "when cancelled; empty: none",
+            subtype="FILE_PATH",
+        ),
+        "resume": BoolProperty(
+            name="Resume",
+            description="Go on from the checkpoint, to other samples, time or target error. "
+            "The scene must be the same",
         ),
     }
 
@@ -92,7 +116,7 @@ class VernierViewLayerSettings(bpy.types.PropertyGroup):
 
 def register() -> None:
     rows = {parameter.name: _property(parameter) for parameter in parameters()}
-    rows |= _viewport_rows() if rows else {}
+    rows |= _viewport_rows() | _state_rows() if rows else {}
     scene_settings = type(
         "VernierSceneSettings",
         (bpy.types.PropertyGroup,),
@@ -137,8 +161,8 @@ def render_settings(
     if "samples" in values and view_layer.samples > 0:
         values["samples"] = view_layer.samples
     given = overrides(parameters())
-    if "time_limit" in given and "samples" not in given:
-        values["samples"] = max_of("samples")  # the time alone ends the render
+    if given.keys() & {"time_limit", "target_error"} and "samples" not in given:
+        values["samples"] = max_of("samples")  # the time or the target alone ends the render
     return values | {name: value for name, value in given.items() if name in values}
 
 
@@ -149,7 +173,7 @@ def viewport_settings(
     finest have a side."""
     values = render_settings(scene, view_layer)
     values["samples"] = scene.vernier.preview_samples
-    values["time_limit"] = 0.0
+    values["time_limit"] = values["target_error"] = 0.0
     size = scene.render.preview_pixel_size
     values["pixel"] = 1 if size == "AUTO" else int(size)
     return values

@@ -23,13 +23,43 @@ using Pixels = std::span<const PixelEstimate>;
 
 bool known(const PixelEstimate& p) { return std::isfinite(p.variance); }
 
+double without_excess(const PixelEstimate& p) { return known(p) ? p.mean - p.excess : 0.0; }
+
+// The excess that other pixels have to expect, too. Beside the edge of something far brighter a
+// single batch may well see it: that is where it is, and not elsewhere.
+std::vector<double> shared_excess(Pixels pixels, int width, int height) {
+  constexpr int kReach = 2;          // pixels: of the pixel filter
+  constexpr double kContrast = 8.0;  // of an edge
+  std::vector<double> result(pixels.size());
+  size_t at = 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x, ++at) {
+      const PixelEstimate& p = pixels[at];
+      if (p.excess == 0.0) {
+        continue;
+      }
+      double brightest = 0.0;
+      for (int j = std::max(y - kReach, 0); j < std::min(y + kReach + 1, height); ++j) {
+        for (int i = std::max(x - kReach, 0); i < std::min(x + kReach + 1, width); ++i) {
+          brightest = std::max(
+              brightest, without_excess(pixels[static_cast<size_t>(j) * static_cast<size_t>(width) +
+                                               static_cast<size_t>(i)]));
+        }
+      }
+      const bool edge = p.excess <= brightest && brightest > kContrast * without_excess(p);
+      result[at] = edge ? 0.0 : p.excess;
+    }
+  }
+  return result;
+}
+
 // The median around each pixel of what pixels would be without their excess; no less than `least`.
 // Variances are pooled relative to its square: beside the edge of a lamp, dark pixels know that
 // they are not as uncertain as those which the edge passes.
 std::vector<double> levels(Pixels pixels, int width, int height, double least) {
   std::vector<double> own(pixels.size()), result(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
-    own[i] = known(pixels[i]) ? pixels[i].mean - pixels[i].excess : 0.0;
+    own[i] = without_excess(pixels[i]);
   }
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -99,13 +129,13 @@ struct CellSums {
   double net_gap = 0, variance = 0;  // relative to what is pooled nearby, so that all count alike
 
   // `pooled`: the variance to expect of the pixel.
-  void add(const PixelEstimate& p, double pooled) {
+  void add(const PixelEstimate& p, double shared_excess, double pooled) {
     if (!known(p)) {
       return;
     }
     ++pixels;
-    excess += p.excess;
-    excess_squared += p.excess * p.excess;
+    excess += shared_excess;
+    excess_squared += shared_excess * shared_excess;
     // A pixel whose variance is one batch's tells nothing of the nets.
     if (std::isfinite(p.net_gap) && p.excess == 0.0 && pooled > 0.0) {
       net_gap += p.net_gap / pooled;
@@ -129,13 +159,14 @@ struct CellSums {
 // A grid of cells over the picture.
 class Cells {
  public:
-  Cells(Pixels pixels, std::span<const double> pooled, int width, int height)
+  Cells(Pixels pixels, std::span<const double> excess, std::span<const double> pooled, int width,
+        int height)
       : columns_((width + kCell - 1) / kCell), rows_((height + kCell - 1) / kCell) {
     cells_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
     size_t i = 0;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x, ++i) {
-        cells_[index(x, y)].add(pixels[i], pooled[i]);
+        cells_[index(x, y)].add(pixels[i], excess[i], pooled[i]);
       }
     }
   }
@@ -181,7 +212,7 @@ std::vector<float> half_widths(Pixels pixels, int width, int height, double mean
       pooled[i] = near(x, y) * level[i] * level[i];
     }
   }
-  const Cells cells(pixels, pooled, width, height);
+  const Cells cells(pixels, shared_excess(pixels, width, height), pooled, width, height);
   const std::vector<CellSums> nets = cells.around(kNetRadius);
   std::array<std::vector<CellSums>, kExcessRadii.size()> excesses;
   for (size_t k = 0; k < kExcessRadii.size(); ++k) {

@@ -7,6 +7,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "bindings/bind.h"
@@ -42,6 +43,12 @@ const char* ending_name(Ending ending) {
       break;
   }
   return "";
+}
+
+std::string integrator_identifier(int kind) {
+  const auto row = std::find_if(parameters().begin(), parameters().end(),
+                                [](const Parameter& p) { return p.name == "integrator"; });
+  return std::string(row->items[static_cast<size_t>(kind)].identifier);
 }
 
 nb::ndarray<nb::numpy, float> read(const Session& session, const std::string& name, int x, int y,
@@ -88,15 +95,25 @@ void bind_session(nb::module_& m) {
       .def(
           "__init__",
           [](Session* self, nb::handle scene, const std::map<std::string, SettingValue>& settings,
-             const std::vector<std::string>& passes, bool give_way) {
+             const std::vector<std::string>& passes, bool give_way, const std::string& resume,
+             const std::string& digest) {
             PassSet set;
             for (const std::string& name : passes) {
               set.add(pass_by_name(name));
             }
-            new (self) Session(scene_of(scene), make_settings(settings), set, give_way);
+            const Settings values = make_settings(settings);
+            const auto compiled = scene_of(scene);
+            const nb::gil_scoped_release release;  // Auto may try out methods
+            new (self) Session(compiled, values, set, give_way, {resume, digest});
           },
           nb::arg("scene"), nb::arg("settings"), nb::arg("passes"), nb::arg("give_way") = false,
-          "`give_way`: its threads leave the processor to others of ordinary priority.")
+          nb::arg("resume") = "", nb::arg("digest") = "",
+          "`give_way`: its threads leave the processor to others of ordinary priority. `resume`: "
+          "the "
+          "file of a state to go on from, saved for a scene of the same `digest`, any text.")
+      .def("save", &Session::save, nb::arg("path"), nb::arg("digest") = "",
+           nb::call_guard<nb::gil_scoped_release>(),
+           "Writes the state, at any time; the file is there as a whole or not at all.")
       .def("start", &Session::start)
       .def("cancel", &Session::cancel, "Asks the threads to stop; returns at once.")
       .def("wait", &Session::wait, nb::arg("seconds"), nb::call_guard<nb::gil_scoped_release>(),
@@ -118,6 +135,11 @@ void bind_session(nb::module_& m) {
       .def_prop_ro("threads", &Session::thread_count)
       .def_prop_ro("notes", &Session::notes,
                    "What the integrator leaves out in this scene, a sentence each.")
+      .def_prop_ro("choice", &Session::choice,
+                   "Why Auto chose the method that renders; empty where the settings name one.")
+      .def_prop_ro(
+          "integrator",
+          [](const Session& s) { return integrator_identifier(static_cast<int>(s.integrator())); })
       .def_prop_ro("error_message", &Session::error_message);
 }
 

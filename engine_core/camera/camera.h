@@ -50,6 +50,7 @@ class Camera {
   // `margin` pixels out of the full frame.
   std::optional<CameraConnection> connect(Vec3f p, Vec2f u_lens, float margin = 0.0f) const;
 
+  const CameraDesc& desc() const { return desc_; }
   bool is_pinhole() const { return desc_.aperture_radius == 0.0f; }
   bool is_orthographic() const { return desc_.kind == CameraKind::kOrthographic; }
   Vec3f position() const { return position_; }

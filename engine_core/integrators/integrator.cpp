@@ -13,6 +13,7 @@ namespace vernier {
 Kernel choose_kernel(const Settings& settings, const Requirements& requirements, PassSet passes) {
   switch (static_cast<IntegratorKind>(settings.integrator)) {
     case IntegratorKind::kPath:
+    case IntegratorKind::kAuto:  // decided upon before (pilot/method_choice.h)
       break;
     case IntegratorKind::kWhitted:
       return {.render_tile = whitted_kernel()};

@@ -198,6 +198,7 @@ Film::Merged Film::merge_frame(uint64_t batch, TileBuffer&& buffer) {
     }
     lock.lock();
     adding_frame_ = false;
+    frame_added_.notify_all();
     ++next_frame_;
     merged = Merged::kFrame;
   }
@@ -385,13 +386,39 @@ Certificate Film::certificate(unsigned look) const {
                  static_cast<unsigned>(least_batches()), look);
 }
 
-uint64_t Film::least_batches() const {
-  uint64_t least = std::numeric_limits<uint64_t>::max();
+std::vector<uint64_t> Film::batches() const {
+  std::vector<uint64_t> batches(tiles_.size());
   for (size_t i = 0; i < tiles_.size(); ++i) {
     const std::lock_guard lock(locks_[i]);
-    least = std::min<uint64_t>(least, counts_[i].batches);
+    batches[i] = counts_[i].batches;
   }
-  return least;
+  return batches;
+}
+
+uint64_t Film::least_batches() const {
+  const std::vector<uint64_t> all = batches();
+  return *std::min_element(all.begin(), all.end());
+}
+
+std::vector<bool> Film::unfinished(double target) const {
+  constexpr double kWellBelow = 0.95, kMostAbove = 1.0 / 40.0, kLeastShare = 1.0 / 16.0;
+  const std::vector<float> all = errors();
+  std::vector<double> above(tiles_.size());
+  uint32_t most = 0;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const Tile& t = tiles_[i];
+    for_each_pixel(t, [&](size_t pixel, const BatchCounts& counts, size_t) {
+      most = std::max(most, counts.samples);
+      above[i] += all[pixel] <= kWellBelow * target ? 0.0 : 1.0;
+    });
+  }
+  std::vector<bool> result(tiles_.size());
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const double pixels = static_cast<double>(tiles_[i].width) * tiles_[i].height;
+    const std::lock_guard lock(locks_[i]);
+    result[i] = above[i] > kMostAbove * pixels || counts_[i].samples < kLeastShare * most;
+  }
+  return result;
 }
 
 }  // namespace vernier

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -79,6 +80,9 @@ class TileBuffer {
   size_t number_ = 0;  // of the tile, where it waits for its frame
 };
 
+class StateReader;
+class StateWriter;
+
 class Film {
  public:
   // `splatting`: samples add to other pixels than their own, so that nothing of a batch is known
@@ -115,6 +119,20 @@ class Film {
   // The same, for look number `look` at it (accuracy/certificate.h).
   Certificate certificate(unsigned look) const;
 
+  // What is known of each pixel by itself, by row.
+  std::vector<PixelEstimate> estimates() const;
+  // The error pass of the whole film.
+  std::vector<float> errors() const;
+
+  // The tiles where more than a fortieth of the pixels is not well below `target`, or that have had
+  // far fewer samples than another: rare light may not have been met there yet.
+  std::vector<bool> unfinished(double target) const;
+  // All whole batches that are in the sums; those that came early are left out.
+  void save(StateWriter& state) const;
+  // Goes on from there; before the first batch. Refuses the state of another film.
+  void load(StateReader& state);
+  // Number of the batches in each tile's sums.
+  std::vector<uint64_t> batches() const;
   // Number of the batches in the sums of the tile that has fewest.
   uint64_t least_batches() const;
 
@@ -144,10 +162,6 @@ class Film {
                          PixelBatch& batch, double* values);
   Merged merge_frame(uint64_t batch, TileBuffer&& buffer);
   static double luminance_sum(const Pixel& p);
-  // What is known of each pixel by itself; of `width_` times `height_`.
-  std::vector<PixelEstimate> estimates() const;
-  // The error pass of the whole film.
-  std::vector<float> errors() const;
   static std::vector<float> errors(const std::vector<PixelEstimate>& pixels, int width, int height,
                                    double mean);
   // Calls f(pixel within the film, its tile's counts, pixel within `area`), each tile under its
@@ -169,7 +183,8 @@ class Film {
   mutable std::unique_ptr<std::mutex[]> locks_;  // by tile
   std::atomic<uint64_t> pixel_samples_{0};
   bool splatting_;
-  std::mutex frames_lock_;
+  mutable std::mutex frames_lock_;
+  mutable std::condition_variable frame_added_;
   std::map<uint64_t, Frame> frames_;  // by batch: those begun and not yet in the sums
   uint64_t next_frame_ = 0;
   bool adding_frame_ = false;  // a thread is at it

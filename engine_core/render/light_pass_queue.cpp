@@ -1,5 +1,7 @@
 #include "render/light_pass_queue.h"
 
+#include <algorithm>
+
 namespace vernier {
 
 void LightPassQueue::Making::begin_stage() {
@@ -7,6 +9,11 @@ void LightPassQueue::Making::begin_stage() {
   while (!complete() && (jobs = pass->jobs(stage)) == 0) {
     ++stage;
   }
+}
+
+size_t LightPassQueue::tiles(uint64_t number) const {
+  return static_cast<size_t>(
+      std::count_if(begun_.begin(), begun_.end(), [&](uint64_t b) { return b <= number; }));
 }
 
 std::shared_ptr<LightPassQueue::Making> LightPassQueue::find(const RenderContext& context,
@@ -19,7 +26,7 @@ std::shared_ptr<LightPassQueue::Making> LightPassQueue::find(const RenderContext
     entry = std::move(making);
   }
   std::shared_ptr<Making> found = entry;
-  if (++found->asked == tiles_) {
+  if (++found->asked == tiles(number)) {
     makings_.erase(number);
   }
   return found;

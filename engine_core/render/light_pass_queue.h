@@ -16,9 +16,10 @@ namespace vernier {
 // in making it until it is there. Threads that still render tiles of an earlier batch join later.
 class LightPassQueue {
  public:
-  // `tiles`: how often the light pass of a batch is asked for; the last one to ask frees it.
-  LightPassQueue(const Kernel& kernel, const BatchPlan& batches, size_t tiles)
-      : kernel_(kernel), batches_(batches), tiles_(tiles) {}
+  // `begun`: the number of each tile's first batch. From then on every tile asks for the light pass
+  // of every batch; the last one to ask frees it.
+  LightPassQueue(const Kernel& kernel, const BatchPlan& batches, std::vector<uint64_t> begun)
+      : kernel_(kernel), batches_(batches), begun_(std::move(begun)) {}
 
   // The light pass of batch `number`, or null when the render has been stopped. What a job throws
   // leaves from here, and the other threads get null: the caller stops the render then.
@@ -38,11 +39,13 @@ class LightPassQueue {
     void begin_stage();
   };
 
+  // How many tiles ask for batch `number`.
+  size_t tiles(uint64_t number) const;
   std::shared_ptr<Making> find(const RenderContext& context, uint64_t number);
 
   const Kernel& kernel_;
   const BatchPlan& batches_;
-  size_t tiles_;
+  std::vector<uint64_t> begun_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<uint64_t, std::shared_ptr<Making>> makings_;  // by batch

@@ -82,6 +82,7 @@ constexpr const PassInfo& info(Pass pass) { return kPasses[static_cast<size_t>(p
 class PassSet {
  public:
   constexpr void add(Pass pass) { bits_ |= 1u << static_cast<unsigned>(pass); }
+  friend constexpr bool operator==(PassSet, PassSet) = default;
   constexpr bool has(Pass pass) const { return (bits_ >> static_cast<unsigned>(pass) & 1u) != 0; }
   // True where a sample has more to deliver than its colour.
   constexpr bool any_sampled() const {

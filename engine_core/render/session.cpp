@@ -1,5 +1,6 @@
 #include "render/session.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <stdexcept>
@@ -22,12 +23,29 @@ constexpr uint32_t kMostPlanned = 1u << 16, kPlannedWithoutEnd = 1u << 12;
 constexpr uint32_t kFirstLook = 16;
 constexpr double kLookGrowth = 1.125;
 
-BatchPlan plan_for(const Settings& settings, const Kernel& kernel) {
+uint32_t planned_for(const Settings& settings) {
   const auto samples = static_cast<uint32_t>(settings.samples);
   // A render that has no end in sight does not plan for it: its nets would never be full.
-  const uint32_t planned = samples <= kMostPlanned ? samples : kPlannedWithoutEnd;
+  return samples <= kMostPlanned ? samples : kPlannedWithoutEnd;
+}
+
+// All settings that a picture depends on, but for how long it is rendered.
+std::string picture_settings(const Settings& settings) {
+  std::string text;
+  for (const Parameter& p : parameters()) {
+    const bool limit = p.name == "samples" || p.name == "time_limit" || p.name == "target_error" ||
+                       p.name == "adaptive" || p.name == "threads";
+    if (!limit && !p.of_film()) {
+      const double value = p.integer != nullptr ? settings.*(p.integer) : settings.*(p.real);
+      text += std::string(p.name) + "=" + std::to_string(value) + " ";
+    }
+  }
+  return text;
+}
+
+BatchPlan plan_for(const Settings& settings, const Kernel& kernel, uint32_t planned) {
   return {hash64(static_cast<uint64_t>(settings.seed)),
-          samples,
+          static_cast<uint32_t>(settings.samples),
           planned,
           {.share = kernel.splats ? kSplattingShare : kTileShare,
            .single_samples = kernel.single_samples}};
@@ -36,23 +54,69 @@ BatchPlan plan_for(const Settings& settings, const Kernel& kernel) {
 }  // namespace
 
 Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes,
-                 bool give_way)
+                 bool give_way, const Resumption& resumption)
     : scene_(std::move(scene)),
-      settings_(settings),
+      state_(resumption.path.empty() ? nullptr : std::make_unique<StateReader>(resumption.path)),
+      planned_samples_(planned_for(settings)),
+      choice_(choose_method(scene_, resumed(settings, resumption.scene), give_way)),
+      settings_(choice_.settings),
       passes_(passes),
-      kernel_(choose_kernel(settings, scene_->requirements, passes)),
+      kernel_(choose_kernel(settings_, scene_->requirements, passes)),
       film_(scene_->film.crop[2] - scene_->film.crop[0],
             scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure,
             kernel_.splats),
       filter_(scene_->film.filter, scene_->film.filter_width),
-      plan_(plan_for(settings, kernel_)),
-      light_passes_(kernel_, plan_, film_.tiles().size()),
-      thread_count_(resolve_threads(settings.threads)),
+      plan_(plan_for(settings_, kernel_, planned_samples_)),
+      light_passes_(kernel_, plan_, loaded_batches()),
+      thread_count_(resolve_threads(settings_.threads)),
       give_way_(give_way),
       stats_(static_cast<size_t>(thread_count_)),
       rays_(static_cast<size_t>(thread_count_)),
-      schedule_(std::vector<uint64_t>(film_.tiles().size()), [this] { return look(); }),
+      schedule_(film_.batches(), [this] { return look(); }),
       changed_(film_.tiles().size(), false) {}
+
+Settings Session::resumed(const Settings& given, const std::string& scene) {
+  Settings settings = given;
+  if (state_ == nullptr) {
+    return settings;
+  }
+  std::string saved_scene, saved_settings;
+  int integrator = 0;
+  state_->get(saved_scene);
+  state_->get(integrator);
+  state_->get(saved_settings);
+  state_->get(planned_samples_);
+  state_->get(looks_);
+  if (static_cast<IntegratorKind>(settings.integrator) == IntegratorKind::kAuto) {
+    settings.integrator = integrator;
+  }
+  if (saved_scene != scene) {
+    state_->refuse("is of another scene");
+  }
+  if (saved_settings != picture_settings(settings)) {
+    state_->refuse("is of a render with other settings");
+  }
+  return settings;
+}
+
+std::vector<uint64_t> Session::loaded_batches() {
+  if (state_ != nullptr) {
+    film_.load(*state_);
+    state_.reset();
+  }
+  return film_.batches();
+}
+
+void Session::save(const std::string& path, const std::string& scene) const {
+  StateWriter state;
+  state.add(scene);
+  state.add(settings_.integrator);
+  state.add(picture_settings(settings_));
+  state.add(planned_samples_);
+  state.add(looks_);
+  film_.save(state);
+  state.write(path);
+}
 
 Session::~Session() {
   cancel();
@@ -106,7 +170,7 @@ void Session::stop(Ending ending) {
 }
 
 void Session::watch_the_time() {
-  if (!wait(settings_.time_limit)) {
+  if (!wait(settings_.time_limit - choice_.seconds)) {
     stop(Ending::kTime);
   }
 }
@@ -114,7 +178,7 @@ void Session::watch_the_time() {
 Schedule::Round Session::look() {
   const uint64_t begun = film_.least_batches();
   Ending ending = Ending::kNone;
-  if (begun == plan_.size()) {
+  if (begun >= plan_.size()) {
     ending = Ending::kSamples;
   }
   if (settings_.target_error > 0.0 && begun > 0) {
@@ -123,20 +187,45 @@ Schedule::Round Session::look() {
       ending = Ending::kTarget;
     }
   }
+  const std::vector<uint64_t> before = film_.batches();
+  std::vector<uint64_t> round = before;
+  const bool adapts = settings_.adaptive != 0 && settings_.target_error > 0.0 && begun > 0 &&
+                      !kernel_.splats && kernel_.make_light_pass == nullptr;
+  std::vector<bool> active(round.size(), true);
+  if (adapts) {
+    active = film_.unfinished(0.01 * settings_.target_error);
+    // Where the pixels are well but the picture's mean is not, all tiles are in need.
+    if (std::find(active.begin(), active.end(), true) == active.end()) {
+      active.assign(active.size(), true);
+    }
+  }
+  for (size_t tile = 0; tile < round.size(); ++tile) {
+    round[tile] = active[tile] ? next_look(round[tile]) : round[tile];
+  }
+  if (ending == Ending::kNone && round == before) {
+    ending = Ending::kSamples;  // where the target is not met there are none left
+  }
   if (ending != Ending::kNone) {
-    ending_ = ending;
+    Ending none = Ending::kNone;
+    ending_.compare_exchange_strong(none, ending);
     return {};
   }
-  uint64_t until = plan_.size();
-  if (settings_.target_error > 0.0) {
-    const uint32_t samples = begun > 0 ? plan_[begun].first : 0;
-    const double next = std::max<double>(kFirstLook, kLookGrowth * samples);
-    until = begun;
-    do {
-      ++until;
-    } while (until < plan_.size() && plan_[until].first < next);
+  return round;
+}
+
+uint64_t Session::next_look(uint64_t begun) const {
+  if (begun >= plan_.size()) {  // a state may have more samples than are asked for now
+    return begun;
   }
-  return Schedule::Round(film_.tiles().size(), until);
+  if (settings_.target_error == 0.0) {
+    return plan_.size();
+  }
+  const double samples = std::max<double>(kFirstLook, kLookGrowth * plan_[begun].first);
+  uint64_t until = begun + 1;
+  while (until < plan_.size() && plan_[until].first < samples) {
+    ++until;
+  }
+  return until;
 }
 
 double Session::elapsed() const {
@@ -145,9 +234,9 @@ double Session::elapsed() const {
   }
   const int64_t end = end_nanoseconds_;
   if (end >= 0) {
-    return static_cast<double>(end) * 1e-9;
+    return choice_.seconds + static_cast<double>(end) * 1e-9;
   }
-  return std::chrono::duration<double>(Clock::now() - start_).count();
+  return choice_.seconds + std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
 void Session::heed(const Plan& plan) {

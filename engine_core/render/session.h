@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "integrators/integrator.h"
+#include "pilot/method_choice.h"
 #include "render/film.h"
 #include "render/light_pass_queue.h"
 #include "render/schedule.h"
 #include "render/settings.h"
+#include "render/state_file.h"
 #include "scene/scene.h"
 
 namespace vernier {
@@ -35,12 +37,23 @@ struct Progress {
   Ending ending = Ending::kNone;  // none while it is not done
 };
 
+// Where a render goes on from.
+struct Resumption {
+  std::string path;   // of the state; empty: it starts anew
+  std::string scene;  // a digest of the scene: the state must have been saved with the same
+};
+
 class Session {
  public:
   // `give_way`: its threads leave the processor to threads of ordinary priority when these want it.
-  // Throws std::bad_alloc when the film does not fit into memory.
+  // With Auto the methods are tried out here (pilot/method_choice.h), but not where it gives way:
+  // somebody waits for the picture then. Throws std::bad_alloc when the film does not fit into
+  // memory.
+  // `resumption`: samples, time and target may differ from those of the state's render, and time
+  // counts anew; all else must be equal. Throws std::runtime_error where it is not, or the file is
+  // no good.
   Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes,
-          bool give_way = false);
+          bool give_way = false, const Resumption& resumption = {});
   // Cancels and waits for the threads.
   ~Session();
   Session(const Session&) = delete;
@@ -55,8 +68,13 @@ class Session {
   bool wait(double seconds);
   // `with_error`: also compute the error, which reads the whole film.
   Progress poll(bool with_error) const;
+  // Writes the state of the render (state_file.h), at any time. `scene`: see Resumption.
+  void save(const std::string& path, const std::string& scene) const;
   // Tiles that have changed since the last call.
   std::vector<Tile> take_tiles();
+  // Why Auto chose the method that renders; empty where the settings name one.
+  const std::string& choice() const { return choice_.reason; }
+  IntegratorKind integrator() const { return static_cast<IntegratorKind>(settings_.integrator); }
   // What the method leaves out in this scene, a sentence each.
   // Once it has begun there may be more of them.
   std::vector<std::string> notes() const;
@@ -79,8 +97,18 @@ class Session {
   void stop(Ending ending);
   // What every tile is to have next, by what the film says of the picture.
   Schedule::Round look();
+  // Reads the state's own part, and of a render by Auto its method.
+  Settings resumed(const Settings& given, const std::string& scene);
+  // Reads the film's part; the number of batches that each tile has.
+  std::vector<uint64_t> loaded_batches();
+  // The number of the batch that a tile ends before which has `begun` batches now.
+  uint64_t next_look(uint64_t begun) const;
 
   std::shared_ptr<const Scene> scene_;
+  std::unique_ptr<StateReader> state_;  // while it is read
+  uint32_t planned_samples_ = 0;        // what the render was begun for; 0: it begins now
+  unsigned looks_ = 0;                  // at the picture's error
+  const MethodChoice choice_;
   Settings settings_;
   PassSet passes_;
   Kernel kernel_;
@@ -97,7 +125,6 @@ class Session {
   std::vector<RenderStats> stats_;
   std::vector<std::atomic<uint64_t>> rays_;
   Schedule schedule_;
-  unsigned looks_ = 0;  // at the picture's error
   std::atomic<uint64_t> non_finite_{0};
   std::atomic<bool> cancelled_{false};
   std::atomic<bool> stopped_{false};  // cancelled, out of time, or failed

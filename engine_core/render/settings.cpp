@@ -36,6 +36,9 @@ constexpr std::array kIntegrators{
     EnumItem{"MLT", "Metropolis Light Transport",
              "Chains of paths that are changed themselves: parts are grown anew, or moved through "
              "mirrors and glass. For light that is hard to find, caustics above all"},
+    EnumItem{"AUTO", "Auto",
+             "Tries the methods without bias on this scene, for a twentieth of the render at most, "
+             "and takes the one that will be done first"},
 };
 constexpr std::array kPhotonDirect{
     EnumItem{"SHADOW_RAYS", "Shadow Rays", "Sample lights: sharp shadows"},
@@ -135,9 +138,15 @@ Parameter film_real(std::string_view name, float initial, double minimum, double
           soft_maximum};
 }
 
+Parameter integrator_row() {
+  Parameter row = choice("sampling", "integrator", &Settings::integrator, kIntegrators,
+                         "Integrator", "The method that finds the light's paths");
+  row.initial = static_cast<double>(IntegratorKind::kAuto);
+  return row;
+}
+
 const std::array kParameters{
-    choice("sampling", "integrator", &Settings::integrator, kIntegrators, "Integrator",
-           "The method that finds the light's paths"),
+    integrator_row(),
     integer("sampling", "samples", &Settings::samples, 1, 1 << 24, 1, 4096, "Samples",
             "Samples per pixel"),
     real("sampling", "time_limit", &Settings::time_limit, 0, 1e9, 0, 3600, "Time Limit",
@@ -146,6 +155,9 @@ const std::array kParameters{
          "Stop when the picture's error is below this, with a confidence of 95 %; 0: no target. "
          "Whichever of samples, time and target ends first counts",
          "%"),
+    integer("sampling", "adaptive", &Settings::adaptive, 0, 1, 0, 1, "Adaptive",
+            "1: with a target error, spend samples where it is not reached yet. Methods that start "
+            "paths at lights spend them evenly"),
     integer("sampling", "seed", &Settings::seed, 0, kMany, 0, kMany, "Seed",
             "Equal seeds give equal pictures"),
     integer("performance", "threads", &Settings::threads, 0, 1024, 0, 64, "Threads",

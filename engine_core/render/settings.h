@@ -24,7 +24,8 @@ enum class IntegratorKind : int {
   kMmlt,
   kPhoton,
   kSppm,
-  kMlt
+  kMlt,
+  kAuto
 };
 enum class MisExponent : int { kBalance, kPower };
 enum class PhotonDirect : int { kShadowRays, kPhotons };
@@ -32,10 +33,12 @@ enum class PhotonView : int { kOff, kGlobal, kCaustic };
 enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
 
 struct Settings {
+  // Of whoever names none. Users start with Auto: the table's default.
   int integrator = static_cast<int>(IntegratorKind::kPath);
   int samples = 128;
   double time_limit = 0.0;
   double target_error = 0.0;  // in percent
+  int adaptive = 1;
   int seed = 0;
   int threads = 0;
   int direct_light = static_cast<int>(DirectLight::kMis);

@@ -73,6 +73,25 @@ def render(arguments: Sequence[str]) -> argparse.Namespace:
         help="time limit; without --samples, the time alone ends the render",
     )
     parser.add_argument(
+        "--target-error",
+        type=settings.Setting("target_error"),
+        metavar="PERCENT",
+        help="stop at this error of the picture; without --samples, nothing but it and --time ends "
+        "the render",
+    )
+    parser.add_argument(
+        "--checkpoint",
+        type=Path,
+        metavar="FILE",
+        help="keep the render's state in FILE: every minute, in the end, and when interrupted",
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on from the state in the --checkpoint file, to other samples, time or target; "
+        "where there is none yet, begin",
+    )
+    parser.add_argument(
         "--seed", type=settings.Setting("seed"), metavar="N", help="of the random numbers"
     )
     parser.add_argument(
@@ -91,7 +110,12 @@ def render(arguments: Sequence[str]) -> argparse.Namespace:
         metavar="KEY=VALUE",
         help="any setting of the engine (listed below); may be repeated",
     )
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    if options.resume and options.checkpoint is None:
+        parser.error("--resume needs --checkpoint FILE")
+    if options.checkpoint is not None and options.frames:
+        parser.error("--checkpoint is for one frame")
+    return options
 
 
 def compare(arguments: Sequence[str]) -> argparse.Namespace:
@@ -221,11 +245,55 @@ def extremes(arguments: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
+def tradeoff(arguments: Sequence[str]) -> argparse.Namespace:
+    """Of scripts/tradeoff."""
+    parser = Parser(
+        prog="scripts/tradeoff",
+        description="Measures error against time of Vernier's methods and of Cycles on SCENE, "
+        "under equal settings: curves with fitted slopes, time to 10, 5, 2 and 1 % error, bias of "
+        "the mean, FLIP, memory, pictures at equal time. Prints a table and writes a page.",
+    )
+    parser.add_argument("scene", type=blend_scene, metavar="SCENE.blend")
+    parser.add_argument(
+        "--engines",
+        type=names_of(ENGINES),
+        default=tuple(ENGINES),
+        metavar="ENGINE,...",
+        help="default: " + ",".join(ENGINES),
+    )
+    parser.add_argument(
+        "--budgets",
+        type=positive_numbers,
+        default=[1.0, 2.0, 4.0, 8.0, 16.0],
+        metavar="S,...",
+        help="seconds of the renders (1,2,4,8,16)",
+    )
+    parser.add_argument("--repeats", type=positive_int, default=2, help="renders of each (2)")
+    parser.add_argument(
+        "--reference-time", type=positive_float, default=240.0, help="seconds a reference (240)"
+    )
+    parser.add_argument(
+        "--references",
+        type=names_of(ENGINES),
+        default=("vernier-bdpt",),
+        metavar="ENGINE,...",
+        help="whose long renders make the reference (vernier-bdpt)",
+    )
+    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
+    parser.add_argument("--resolution", type=resolution, default=(0, 0), metavar="WxH")
+    parser.add_argument("--cache", type=Path, default=default_cache(), help="for references")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="default: out/tradeoff/SCENE"
+    )
+    return parser.parse_args(arguments)
+
+
 COMMANDS: dict[str, Callable[[Sequence[str]], argparse.Namespace]] = {
     "render": render,
     "compare": compare,
     "benchmark": benchmark,
     "extremes": extremes,
+    "tradeoff": tradeoff,
 }
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ def set_up(scene: bpy.types.Scene, job: Job, seed: int) -> None:
     render.use_compositing = False
     render.use_sequencer = False
     render.dither_intensity = 0.0
-    if job.engine == "cycles":
+    if job.engine.startswith("cycles"):
         set_up_cycles(scene, job, seed)
     else:
         set_up_vernier(scene, job, seed)
@@ -54,7 +54,7 @@ def set_up_cycles(scene: bpy.types.Scene, job: Job, seed: int) -> None:
     cycles.samples = job.samples or CYCLES_MAX_SAMPLES
     cycles.time_limit = job.time
     cycles.use_adaptive_sampling = False
-    cycles.use_denoising = False
+    cycles.use_denoising = job.engine == "cycles-denoised"
     cycles.sample_clamp_direct = 0.0
     cycles.sample_clamp_indirect = 0.0
     cycles.blur_glossy = 0.0

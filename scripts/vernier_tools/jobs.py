@@ -28,6 +28,8 @@ ENGINES = {
     "vernier-pssmlt": "Vernier PSSMLT",
     "vernier-mmlt": "Vernier MMLT",
     "vernier-mlt": "Vernier MLT",
+    "vernier-auto": "Vernier Auto",
+    "cycles-denoised": "Cycles, denoised",
 }
 # What is measured where nothing else is asked for.
 USUAL_ENGINES = ("vernier", "cycles")

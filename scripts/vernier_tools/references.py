@@ -50,7 +50,7 @@ def long_render(
     job = replace(job, engine=engine, output="", seeds=SEEDS, time=seconds / 2, samples=0)
     key = hashlib.sha256(json.dumps(asdict(replace(job, blend=""))).encode())
     key.update(Path(job.blend).read_bytes())
-    if engine != "cycles":
+    if not engine.startswith("cycles"):
         key.update(environment.source_hash(Path(__file__).parents[2]).encode())
     stem = cache / f"{Path(job.blend).stem}-{engine}-{key.hexdigest()[:16]}"
     paths = [stem.with_name(f"{stem.name}-{seed}.exr") for seed in SEEDS]

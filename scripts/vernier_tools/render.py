@@ -40,6 +40,12 @@ def configure(scene: bpy.types.Scene, options: argparse.Namespace) -> None:
     if options.time is not None:
         values["time_limit"] = options.time
         values["samples"] = settings.most("samples")
+    if options.target_error is not None:
+        values["target_error"] = options.target_error
+        values["samples"] = settings.most("samples")
+    if options.checkpoint is not None:
+        values["checkpoint"] = str(options.checkpoint.absolute())
+        values["resume"] = options.resume
     if options.samples is not None:
         values["samples"] = options.samples
     if options.seed is not None:
@@ -127,8 +133,16 @@ def main() -> None:
 
 
 def interrupted(capture: Capture, number: int) -> None:
+    save_checkpoint()
     capture.report(COMMAND, "interrupted")
     leave(capture, 128 + number)
+
+
+def save_checkpoint() -> None:
+    """Of the render that is under way, where one was asked for."""
+    module = sys.modules.get("addon.checkpoint")
+    if module is not None:
+        module.save_active()
 
 
 def leave(capture: Capture, code: int) -> None:

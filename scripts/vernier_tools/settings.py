@@ -47,7 +47,8 @@ class Setting:
         self.name = name
 
     def __call__(self, text: str) -> Value:
-        return parsed(table()[self.name], text)
+        parameter = table()[self.name]
+        return parsed(parameter, text.removesuffix("%") if parameter.unit == "%" else text)
 
 
 def parsed(parameter: Parameter, text: str) -> Value:

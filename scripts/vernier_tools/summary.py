@@ -16,6 +16,16 @@ if TYPE_CHECKING:
 BLENDER_PREFIXES = ("Fra:", "Mem:", "Time:", "Remaining:")
 
 
+#: What ended a render. A target is reached with a confidence of 95 %, however often it looked.
+ENDINGS = {
+    "samples": "ended at the samples",
+    "target": "ended at the target error, with 95 % confidence",
+    "time": "ended at the time limit",
+    "cancel": "cancelled",
+    "failure": "failed",
+}
+
+
 def engine_text(text: str) -> str:
     """The engine's own part of a statistics line of Blender's, without "SCENE, VIEW LAYER" too."""
     parts = [part for part in text.split(" | ") if not part.startswith(BLENDER_PREFIXES)]
@@ -42,11 +52,14 @@ def lines(records: Sequence[RenderRecord], path: Path, frame_seconds: float) -> 
             f"{progress.seconds:.2f} s",
             f"{count(progress.rays / progress.seconds if progress.seconds else 0)} rays/s",
             f"error {error_text(progress.error)}",
+            ENDINGS[progress.ending],
         ]
         if progress.non_finite:
             parts.append(f"{progress.non_finite} samples dropped as not finite")
         name = f"{record.layer}: " if len(records) > 1 else ""
         text.append(name + ", ".join(parts))
+        if record.choice:
+            text.append(f"{name}Auto: {record.choice}")
     peak = status_bytes("VmHWM") / 2**20
     text.append(f"{frame_seconds:.2f} s in all, {peak:.0f} MiB at the peak, written to {path}")
     return text

@@ -36,7 +36,7 @@ def test_register_is_undone_and_can_be_repeated(empty_scene: Any) -> None:
 def test_settings_are_the_cores_table(registered: Any) -> None:
     rows = {row.name: row for row in engine_core.parameters()}
     found = registered.vernier.bl_rna.properties
-    viewport = {"preview_samples", "preview_pause"}
+    viewport = {"preview_samples", "preview_pause", "checkpoint", "resume"}
     assert set(rows) | viewport == set(found.keys()) - {"rna_type", "name"}
     for name, row in rows.items():
         assert getattr(registered.vernier, name) == pytest.approx(row.default)

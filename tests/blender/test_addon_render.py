@@ -237,8 +237,12 @@ def test_cancel_keeps_what_there_is(lit: Any) -> None:
 def test_stats_line() -> None:
     from types import SimpleNamespace
 
-    progress = SimpleNamespace(samples=12.0, samples_target=64, seconds_left=75.4, error=0.0213)
+    progress = SimpleNamespace(
+        samples=12.0, samples_target=64, seconds_left=75.4, error=0.0213, ending=""
+    )
     assert progress_module.stats_line(progress) == "Sample 12/64 | Time left 1:15 | Error 2.1 %"
-    progress.seconds_left = progress.error = float("inf")
+    progress.ending, progress.seconds_left = "target", float("inf")
+    assert progress_module.stats_line(progress) == "Sample 12/64 | Target reached | Error 2.1 %"
+    progress.ending, progress.error = "", float("inf")
     assert progress_module.stats_line(progress) == "Sample 12/64"
     assert progress_module.duration(3723.0) == "1:02:03"

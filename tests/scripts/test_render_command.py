@@ -38,14 +38,63 @@ def test_exr_is_linear_float_with_passes_and_the_summary_says_all(
     assert picture.mean() > 0.01
     summary_lines = done.stdout.splitlines()
     assert re.fullmatch(
-        r"4 samples per pixel, [\d.]+ s, [\d.]+( [kMG])? rays/s, error .*", summary_lines[0]
+        r"4 samples per pixel, [\d.]+ s, [\d.]+( [kMG])? rays/s, error .*, ended at the samples",
+        summary_lines[0],
     )
+    assert summary_lines[1].startswith("Auto: Path tracing: ")
     assert re.fullmatch(
-        r"[\d.]+ s in all, \d+ MiB at the peak, written to a\.exr", summary_lines[1]
+        r"[\d.]+ s in all, \d+ MiB at the peak, written to a\.exr", summary_lines[2]
     )
-    assert len(summary_lines) == 2
+    assert len(summary_lines) == 3
     # Nothing else is left in the folder.
     assert [path.name for path in tmp_path.iterdir()] == ["a.exr"]
+
+
+def test_a_resumed_render_ends_at_a_tighter_target_as_one_render_would(
+    tool: Tool, tmp_path: Path
+) -> None:
+    common = [CORNELL_BOX, "--resolution", "32x24", "--threads", "2", "--integrator", "path"]
+    state = ["--checkpoint", "a.state"]
+    first = tool("render", *common, *state, "-o", "a.exr", "--target-error", "250%")
+    assert first.returncode == 0, first.stderr
+    assert "ended at the target error, with 95 % confidence" in first.stdout
+    again = tool("render", *common, *state, "--resume", "-o", "b.exr", "--target-error", "120")
+    once = tool("render", *common, "-o", "c.exr", "--target-error", "120")
+    assert again.stdout.split(" samples")[0] == once.stdout.split(" samples")[0]
+    pictures = [images.read_combined(tmp_path / name) for name in ("b.exr", "c.exr")]
+    assert np.array_equal(*pictures)
+    # The file tells how it came about.
+    header = (tmp_path / "c.exr").read_bytes()[:20000]
+    assert b"ended by" in header
+    assert b"target" in header
+    other = tool("render", *common, *state, "--resume", "-o", "d.exr", "--seed", "3")
+    assert other.returncode == 1
+    assert "is of a render with other settings" in other.stderr
+
+
+def test_an_interrupted_render_leaves_its_state(tool: Tool, tmp_path: Path) -> None:
+    common = [CORNELL_BOX, "--resolution", "32x24", "--threads", "2"]
+    command = [sys.executable, "-m", "vernier_tools.render", *map(str, common), "-o", "a.exr"]
+    process = subprocess.Popen(
+        [*command, "--samples", "16000000", "--integrator", "path", "--checkpoint", "a.state"],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None
+    line = ""
+    while "Sample" not in line and "Time left" not in line:
+        line = process.stderr.readline()
+        assert line, "ended before it rendered"
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=60)
+    assert (tmp_path / "a.state").stat().st_size > 32 * 24 * 50
+    done = tool(
+        "render", *common, "--integrator", "path", "-o", "b.exr", "--samples", "1",
+        *("--checkpoint", "a.state", "--resume"),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout.split()[0]) > 1
 
 
 def test_png_goes_through_the_view_transform(tool: Tool, tmp_path: Path) -> None:

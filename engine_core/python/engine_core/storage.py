@@ -8,6 +8,7 @@ link. `data` holds the arrays one after another. Nothing in a file is executed.
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 import math
 import os
@@ -48,6 +49,15 @@ def save(description: SceneDescription, path: str | os.PathLike[str]) -> None:
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def digest(description: SceneDescription) -> str:
+    """A text that differs between scenes which differ in anything: 32 hexadecimal digits."""
+    writer = _Writer()
+    header = json.dumps(writer.encode(description), sort_keys=True).encode()
+    state = hashlib.blake2b(header, digest_size=16)
+    state.update(memoryview(np.ascontiguousarray(writer.data())).cast("B"))
+    return state.hexdigest()
 
 
 def load(path: str | os.PathLike[str]) -> SceneDescription:

@@ -1,0 +1,28 @@
+// The methods that `Auto` chooses from.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "render/settings.h"
+#include "scene/requirements.h"
+
+namespace vernier {
+
+// A method without bias, whose stated error therefore is all of its error.
+struct Candidate {
+  IntegratorKind kind;
+  std::string_view name;  // within a sentence
+  // Time of a ray with all that is done around it, relative to path tracing's: measured over the
+  // shipped scenes. Rays times this are a method's cost, whatever else the machine is busy with.
+  double cost_per_ray;
+  // Whether the method differs from path tracing in a scene with these requirements.
+  bool (*fits)(const Settings& settings, const Requirements& requirements);
+  // Finds light that passed mirrors or glass on its way to a matte surface.
+  bool finds_caustics;
+};
+
+// Path tracing comes first: it can render anything.
+std::span<const Candidate> candidates();
+
+}  // namespace vernier

@@ -1,0 +1,272 @@
+#include "pilot/method_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "accuracy/statement.h"
+#include "camera/camera.h"
+#include "pilot/candidates.h"
+#include "render/session.h"
+#include "scene/compile.h"
+
+namespace vernier {
+namespace {
+
+constexpr double kShare = 0.05;  // of the budget
+constexpr int kSamples = 32;     // per pixel of a pilot
+constexpr int kLeastSamples = 16;
+constexpr double kMostPixels = 96.0 * 64.0, kLeastPixels = 20.0 * 20.0;
+// What all candidates' samples cost together, in path tracing's: a guess on the safe side.
+constexpr double kCostOfAll = 6.0;
+// Above this many samples a render has no end in sight.
+constexpr int kEndless = 1 << 20;
+// A method that finds caustics is preferred while the pilot says that it takes no longer than this.
+constexpr double kRobustFactor = 1.25;
+constexpr int kBlock = 8;  // pixels a side: what is compared between methods
+constexpr double kTrim = 0.95;
+constexpr double kDeviations = 4.0;
+
+// What one candidate's small picture tells.
+struct Pilot {
+  const Candidate* candidate = nullptr;
+  double cost = 0;  // of a sample of a pixel
+  double samples = 0;
+  double mean = 0;  // luminance
+  int width = 0, height = 0;
+  std::vector<PixelEstimate> pixels;
+  std::vector<float> errors;
+};
+
+// Sums of pixels within a block.
+struct Block {
+  double mean = 0, variance = 0;
+};
+
+std::vector<Block> blocks(const Pilot& pilot) {
+  const int columns = (pilot.width + kBlock - 1) / kBlock,
+            rows = (pilot.height + kBlock - 1) / kBlock;
+  std::vector<Block> sums(static_cast<size_t>(columns) * static_cast<size_t>(rows));
+  std::vector<double> counts(sums.size());
+  for (int y = 0; y < pilot.height; ++y) {
+    for (int x = 0; x < pilot.width; ++x) {
+      const auto i =
+          static_cast<size_t>(y) * static_cast<size_t>(pilot.width) + static_cast<size_t>(x);
+      const auto b = static_cast<size_t>(y / kBlock) * static_cast<size_t>(columns) +
+                     static_cast<size_t>(x / kBlock);
+      sums[b].mean += pilot.pixels[i].mean;
+      sums[b].variance += pilot.pixels[i].variance;
+      ++counts[b];
+    }
+  }
+  for (size_t b = 0; b < sums.size(); ++b) {
+    sums[b].mean /= counts[b];
+    sums[b].variance /= counts[b] * counts[b];
+  }
+  return sums;
+}
+
+// Mean of all but the largest values: single pixels of a small picture decide nothing.
+double trimmed_mean(std::vector<double>& values) {
+  const auto kept = static_cast<size_t>(std::ceil(kTrim * static_cast<double>(values.size())));
+  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(kept) - 1, values.end());
+  double sum = 0.0;
+  for (size_t i = 0; i < kept; ++i) {
+    sum += values[i];
+  }
+  return kept > 0 ? sum / static_cast<double>(kept) : 0.0;
+}
+
+// Squared relative light that `pilot` has not met and `other` has, beyond what noise explains.
+double missed(const Pilot& pilot, const Pilot& other) {
+  const std::vector<Block> own = blocks(pilot), others = blocks(other);
+  std::vector<double> squares(own.size());
+  for (size_t b = 0; b < own.size(); ++b) {
+    const double noise = std::sqrt(own[b].variance + others[b].variance);
+    const double gap = others[b].mean - own[b].mean - kDeviations * noise;
+    const double scale = std::max(others[b].mean, kErrorFloor * other.mean);
+    squares[b] = gap > 0.0 && scale > 0.0 ? (gap / scale) * (gap / scale) : 0.0;
+  }
+  double sum = 0.0;
+  for (const double square : squares) {
+    sum += square;
+  }
+  return squares.empty() ? 0.0 : sum / static_cast<double>(squares.size());
+}
+
+// Time to a relative error of 1, in units that all candidates share.
+double time_needed(const Pilot& pilot, const std::vector<Pilot>& all) {
+  std::vector<double> squares(pilot.errors.size());
+  std::transform(pilot.errors.begin(), pilot.errors.end(), squares.begin(),
+                 [](float e) { return static_cast<double>(e) * static_cast<double>(e); });
+  double square = trimmed_mean(squares), lack = 0.0;
+  for (const Pilot& other : all) {
+    lack = std::max(lack, missed(pilot, other));
+  }
+  return pilot.cost * pilot.samples * (square + lack);
+}
+
+// Pixels that each candidate's picture may have.
+double pilot_pixels(const Scene& scene, const Settings& settings) {
+  const std::array<int32_t, 4>& crop = scene.film.crop;
+  const double pixels = static_cast<double>(crop[2] - crop[0]) * (crop[3] - crop[1]);
+  if (settings.samples >= kEndless) {
+    return kMostPixels;
+  }
+  return std::min(kMostPixels, pixels * settings.samples * kShare / (kSamples * kCostOfAll));
+}
+
+Pilot try_out(const Candidate& candidate, const std::shared_ptr<const Scene>& scene,
+              const Settings& given, double seconds, const std::atomic<bool>* cancelled) {
+  Settings settings = given;
+  settings.integrator = static_cast<int>(candidate.kind);
+  settings.samples = kSamples;
+  settings.target_error = 0.0;
+  settings.time_limit = seconds;
+  Session session(scene, settings, PassSet());
+  session.start();
+  constexpr double kPoll = 0.02;
+  while (!session.wait(kPoll)) {
+    if (cancelled != nullptr && *cancelled) {
+      session.cancel();
+    }
+  }
+  const Progress progress = session.poll(false);
+  Pilot pilot;
+  pilot.candidate = &candidate;
+  pilot.width = session.film().width();
+  pilot.height = session.film().height();
+  pilot.samples = progress.samples;
+  pilot.pixels = session.film().estimates();
+  pilot.errors = session.film().errors();
+  const double taken = progress.samples * static_cast<double>(pilot.pixels.size());
+  pilot.cost =
+      taken > 0.0 ? candidate.cost_per_ray * static_cast<double>(progress.rays) / taken : 0.0;
+  for (const PixelEstimate& p : pilot.pixels) {
+    pilot.mean += p.mean / static_cast<double>(pilot.pixels.size());
+  }
+  return pilot;
+}
+
+std::string capitalised(std::string_view text) {
+  std::string result(text);
+  result[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(result[0])));
+  return result;
+}
+
+std::string ratio_text(double ratio) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), ratio < 10.0 ? "%.1f" : "%.0f", ratio);
+  return text.data();
+}
+
+// The film of the whole frame with about this many pixels.
+FilmDesc small_film(const FilmDesc& film, double pixels) {
+  const double share = static_cast<double>(film.crop[2] - film.crop[0]) *
+                       (film.crop[3] - film.crop[1]) /
+                       (static_cast<double>(film.width) * film.height);
+  const double scale =
+      std::min(1.0, std::sqrt(pixels / (share * static_cast<double>(film.width) * film.height)));
+  FilmDesc small = film;
+  small.width = std::max(1, static_cast<int32_t>(std::lround(film.width * scale)));
+  small.height = std::max(1, static_cast<int32_t>(std::lround(film.height * scale)));
+  const auto place = [](int32_t at, int32_t from, int32_t to) {
+    return static_cast<int32_t>(static_cast<int64_t>(at) * to / from);
+  };
+  const int32_t x0 = place(film.crop[0], film.width, small.width);
+  const int32_t y0 = place(film.crop[1], film.height, small.height);
+  small.crop = {x0, y0, std::max(x0 + 1, place(film.crop[2], film.width, small.width)),
+                std::max(y0 + 1, place(film.crop[3], film.height, small.height))};
+  return small;
+}
+
+// The choice where nothing could be tried.
+const Candidate& robust(const std::vector<const Candidate*>& fitting, bool caustics) {
+  for (const Candidate* c : fitting) {
+    if (caustics && c->finds_caustics) {
+      return *c;
+    }
+  }
+  return *fitting.front();
+}
+
+std::string compare(const Pilot& best, double best_time, const std::vector<Pilot>& pilots,
+                    const std::vector<double>& times) {
+  std::string text;
+  for (size_t i = 0; i < pilots.size(); ++i) {
+    if (&pilots[i] != &best && best_time > 0.0) {
+      text += (text.empty() ? "" : ", ") + ratio_text(times[i] / best_time) + " times " +
+              std::string(pilots[i].candidate->name);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+MethodChoice choose_method(const std::shared_ptr<const Scene>& scene, const Settings& settings,
+                           bool interactive, const std::atomic<bool>* cancelled) {
+  MethodChoice choice{settings, "", 0.0};
+  if (static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kAuto) {
+    return choice;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<const Candidate*> fitting;
+  for (const Candidate& c : candidates()) {
+    if (c.fits(settings, scene->requirements)) {
+      fitting.push_back(&c);
+    }
+  }
+  const auto settle = [&](const Candidate& c, const std::string& why) {
+    choice.settings.integrator = static_cast<int>(c.kind);
+    choice.reason = capitalised(c.name) + ": " + why;
+    choice.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return choice;
+  };
+  if (interactive) {
+    return settle(*fitting.front(), "the first picture comes soonest");
+  }
+  if (fitting.size() == 1) {
+    return settle(*fitting.front(), "the only method for this scene");
+  }
+  const bool caustics = scene->requirements.caustics;
+  const std::string untried =
+      caustics ? "the scene may have caustics" : "the scene has no caustics";
+  const double pixels = pilot_pixels(*scene, settings);
+  if (pixels < kLeastPixels) {
+    return settle(robust(fitting, caustics),
+                  untried + ", and the render is too short to try others");
+  }
+  const auto small = with_view(scene, scene->camera->desc(), small_film(scene->film, pixels));
+  const double seconds = settings.time_limit * kShare / static_cast<double>(fitting.size());
+  std::vector<Pilot> pilots;
+  for (const Candidate* c : fitting) {
+    pilots.push_back(try_out(*c, small, settings, seconds, cancelled));
+    if (pilots.back().samples < kLeastSamples) {
+      return settle(robust(fitting, caustics),
+                    untried + ", and there is too little time to try others");
+    }
+  }
+  std::vector<double> times;
+  for (const Pilot& pilot : pilots) {
+    times.push_back(time_needed(pilot, pilots));
+  }
+  const size_t fastest =
+      static_cast<size_t>(std::min_element(times.begin(), times.end()) - times.begin());
+  if (caustics && !pilots[fastest].candidate->finds_caustics) {
+    for (size_t i = 0; i < pilots.size(); ++i) {
+      if (pilots[i].candidate->finds_caustics && times[i] <= kRobustFactor * times[fastest]) {
+        return settle(*pilots[i].candidate, compare(pilots[i], times[i], pilots, times) +
+                                                "; preferred because the scene may have caustics");
+      }
+    }
+  }
+  return settle(*pilots[fastest].candidate,
+                compare(pilots[fastest], times[fastest], pilots, times));
+}
+
+}  // namespace vernier

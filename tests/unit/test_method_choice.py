@@ -1,0 +1,104 @@
+"""`Auto`: what it chooses, when it tries, and what it says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from scenes import SceneBuilder, background, diffuse, emission, quad, shader, sphere
+
+import engine_core
+
+
+def soft(size: int = 96) -> Any:
+    """A world's light on a matte floor: nothing that a path from a lamp would find sooner."""
+    builder = SceneBuilder((size, size))
+    builder.camera((0, -5, 3), (0, 0, 0.3))
+    builder.add(quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), diffuse(0.5))
+    builder.add(sphere(0.8, (0, 0, 0.8), rings=12), diffuse((0.8, 0.4, 0.3)))
+    builder.add(quad((-1, -1, 4), (0, 2, 0), (2, 0, 0)), emission(6.0))
+    builder.description.world = background(0.2)
+    return engine_core.compile(builder.description, threads=2)
+
+
+def fixture(size: int = 96) -> Any:
+    """A small lamp within glass: only paths from the lamp light the floor."""
+    builder = SceneBuilder((size, size))
+    builder.camera((0, -5, 3), (0, 0, 0.3))
+    builder.add(quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), diffuse(0.5))
+    glass = shader("ShaderNodeBsdfGlass", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0, IOR=1.5)
+    builder.add(sphere(0.5, (0, 0, 1.5), rings=16), glass)
+    builder.add(quad((-0.02, -0.02, 1.5), (0, 0.04, 0), (0.04, 0, 0)), emission(5000.0))
+    return engine_core.compile(builder.description, threads=2)
+
+
+def auto(scene: Any, **settings: Any) -> Any:
+    return engine_core.Session(
+        scene, {"integrator": "AUTO", "threads": 2, **settings}, ["Combined"]
+    )
+
+
+def test_auto_is_what_users_begin_with() -> None:
+    row = next(row for row in engine_core.parameters() if row.name == "integrator")
+    assert row.default == "AUTO"
+
+
+def test_ordinary_light_is_traced_from_the_camera() -> None:
+    session = auto(soft(), samples=1024)
+    assert session.integrator == "PATH"
+    assert session.choice.startswith("Path tracing: ")
+    assert "times bidirectional path tracing" in session.choice
+
+
+def test_a_lamp_within_glass_is_traced_from_both_ends() -> None:
+    session = auto(fixture(), samples=1024)
+    assert session.integrator == "BDPT"
+    assert "times path tracing" in session.choice
+    # The ratio is that of times: it says how much longer path tracing takes.
+    assert float(session.choice.split(": ")[1].split(" times")[0]) > 2.0
+
+
+def test_equal_seeds_give_equal_choices() -> None:
+    scene = soft()
+    reasons = {auto(scene, samples=1024, threads=threads).choice for threads in (1, 2, 3)}
+    assert len(reasons) == 1
+
+
+def test_a_short_render_tries_nothing_and_takes_the_robust_method() -> None:
+    assert auto(soft(16), samples=8).integrator == "PATH"
+    session = auto(fixture(16), samples=8)
+    assert session.integrator == "BDPT"
+    assert "too short" in session.choice
+
+
+def test_too_little_time_tries_nothing_for_long() -> None:
+    session = auto(fixture(), samples=1 << 24, time_limit=0.02)
+    assert session.integrator == "BDPT"
+    assert "too little time" in session.choice
+
+
+def test_a_viewport_waits_for_nothing() -> None:
+    session = engine_core.Session(
+        fixture(), {"integrator": "AUTO", "threads": 2}, ["Combined"], give_way=True
+    )
+    assert session.integrator == "PATH"
+
+
+def test_limits_by_kind_leave_one_method() -> None:
+    session = auto(fixture(), samples=1024, glossy_bounces=3)
+    assert session.integrator == "PATH"
+    assert "the only method" in session.choice
+
+
+def test_the_pilot_counts_in_the_time() -> None:
+    session = auto(soft(), samples=256)
+    session.start()
+    first = session.poll().seconds
+    assert first > 0.0
+    session.cancel()
+    assert session.wait(20.0)
+
+
+def test_a_named_method_is_not_questioned() -> None:
+    session = engine_core.Session(soft(16), {"integrator": "LIGHT", "threads": 2}, ["Combined"])
+    assert session.integrator == "LIGHT"
+    assert session.choice == ""

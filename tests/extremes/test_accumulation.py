@@ -10,7 +10,7 @@ from engine_core import probe
 
 @pytest.mark.parametrize("value", [0.1, 1e-30, 3e30])
 def test_sums_of_ten_million_samples_are_rounded_once(value: float) -> None:
-    """In float32 the pass of these sums would be off by a hundredth: it was."""
+    """In float32 the pass of these sums would be off by some thousandths."""
     combined, emission, count = probe.accumulated(value, 64, 1 << 18)
     assert count == 1 << 24
     assert combined == pytest.approx(np.float32(value), rel=1.2e-7)

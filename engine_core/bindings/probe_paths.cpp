@@ -9,6 +9,7 @@
 #include "integrators/bidirectional_plan.h"
 #include "integrators/bidirectional_tracer.h"
 #include "integrators/path_verifier.h"
+#include "integrators/shared_paths.h"
 
 namespace nb = nanobind;
 
@@ -36,6 +37,13 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
     plan.inverse_threshold = kInfinity;  // nothing is let go by chance
   }
   context.plan = &plan;
+  const bool shares = plan.joins.shares();
+  SharedPaths shared(plan.joins, shares ? 1024 : 0, static_cast<uint64_t>(settings.seed));
+  for (int stage = 0; stage < shared.stages(); ++stage) {
+    for (size_t job = 0; job < shared.jobs(stage); ++job) {
+      shared.run(stage, job, context, stats);
+    }
+  }
   const auto& crop = scene->film.crop;
   SplatFrame splats(crop[2] - crop[0], crop[3] - crop[1], false);
   BidirectionalMemory memory;
@@ -49,7 +57,7 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
   }
   context.light_pass = &vertices;
   PathVerifier verifier(*scene, settings, plan.guide, memory, tolerance,
-                        merges ? vertices.area() : 0.0);
+                        merges ? vertices.area() : 0.0, shares ? &plan.joins : nullptr);
   NoPassSample passes;
   const auto trace = [&](const CameraRay& ray, const SobolSampler& sampler) {
     if (merges) {
@@ -58,7 +66,7 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
           .run(ray);
     } else {
       BidirectionalTracer<BidirectionalFeatures{false, true}, PathVerifier>(
-          context, sampler, stats, &splats, passes, memory, verifier)
+          context, sampler, stats, &splats, passes, memory, verifier, shares ? &shared : nullptr)
           .run(ray);
     }
   };

@@ -10,11 +10,15 @@ void render_bidirectional_tile(const RenderContext& context, const Batch& batch,
                                TileBuffer& buffer, PassSet /*passes*/, RenderStats& stats) {
   BidirectionalMemory memory;
   NoObserver observer;
+  const SharedPaths* shared = nullptr;
+  if constexpr (!F.merging) {
+    shared = static_cast<const SharedPaths*>(context.light_pass);
+  }
   render_camera_tile<F.passes>(
       context, batch, tile, buffer, stats,
       [&](const CameraRay& ray, const SobolSampler& sampler, auto& pass_sample) {
         return BidirectionalTracer<F>(context, sampler, stats, buffer.splats(), pass_sample, memory,
-                                      observer)
+                                      observer, shared)
             .run(ray);
       });
 }
@@ -74,7 +78,7 @@ Kernel bidirectional_kernel(const Settings& settings, const Requirements& requir
   return {.render_tile = kKernels[index],
           .splats = true,
           .make_plan = make_bidirectional_plan,
-          .make_light_pass = merges ? make_light_vertices : nullptr,
+          .make_light_pass = merges ? make_light_vertices : make_shared_paths,
           .single_samples = merges,
           .notes = describe_limits(settings, requirements)};
 }

@@ -2,6 +2,8 @@
 // vertices of the camera's; and how it merges them. Part of bidirectional_tracer.h.
 #pragma once
 
+#include <bit>
+
 #include "integrators/bidirectional_tracer.h"
 
 namespace vernier {
@@ -46,7 +48,8 @@ void BidirectionalTracer<F, Observer, Sampler>::splat_vertex(const Walk& walk,
     return;
   }
   flux = clamp(flux, walk.depth.total == 0);
-  observer_.found({s, 1, light_number_, &v, nullptr, c->wi, c->distance, others, flux, c->raster});
+  observer_.found({s, 1, light_number_, &v, light_.data(), nullptr, c->wi, c->distance, others,
+                   flux, c->raster});
   if constexpr (F.passes) {
     splats_.add(c->raster, flux, shares_toward_camera(scene_, v, c->wi), walk.depth.total == 0);
   } else {
@@ -57,7 +60,9 @@ void BidirectionalTracer<F, Observer, Sampler>::splat_vertex(const Walk& walk,
 // Joins the two sub-paths: technique (s, t) with both at least 2.
 template <BidirectionalFeatures F, class Observer, class Sampler>
 void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const PathVertex& v,
-                                                        const PathVertex& y, Vec2f u) {
+                                                        const SharedPaths::Choice& choice,
+                                                        Vec2f u) {
+  const PathVertex& y = *choice.vertex;
   const int s = y.point.depth.total + 2;
   if (!techniques_.show(s, walk.depth.total + 2) ||
       !walks_.limits.allow_joined(walk.depth, y.point.depth)) {
@@ -72,9 +77,9 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
   const Vec3f wi = d * (1.0f / distance);
   // As if both surfaces were matte or, the glossier they are, brighter: what is then far from
   // worthwhile is let go unseen.
-  Color c =
-      v.beta * y.beta *
-      (abs_cosine(v.point, wi) * abs_cosine(y.point, wi) * brightness(v) * brightness(y) / d2);
+  Color c = v.beta * y.beta *
+            (abs_cosine(v.point, wi) * abs_cosine(y.point, wi) * brightness(v) * brightness(y) /
+             d2 * static_cast<float>(1.0 / choice.joins));
   const float guess = max_component(c);
   if (!plan_.worthwhile(c, 1.0, u.x)) {
     return;
@@ -85,7 +90,7 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
     return;
   }
   const BsdfEval at_y = scatter_eval(scene_, y, -wi);
-  c = v.beta * at_v.f * at_y.f * y.beta * (raised / d2);
+  c = v.beta * at_v.f * at_y.f * y.beta * (raised / d2 * static_cast<float>(1.0 / choice.joins));
   if (is_black(c)) {
     return;
   }
@@ -98,6 +103,8 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
   if (v.other_reaches) {
     others += v.mis.sum(heuristic_, from_light, static_cast<double>(at_v.pdf_reverse));
   }
+  const double joins = light_ends().joins_of(y.point.p, v.point.p);
+  others /= heuristic_(joins);
   if (!plan_.worthwhile(c, techniques_.weight(others), u.y)) {
     return;
   }
@@ -106,7 +113,40 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
                                     &blocked);
   if (!blocked) {
     add_reaching(walk, kLobeAny, false,
-                 {s, walk.depth.total + 2, light_number_, &y, &v, wi, distance, others, c});
+                 {s,
+                  walk.depth.total + 2,
+                  choice.light,
+                  &y,
+                  choice.path,
+                  &v,
+                  wi,
+                  distance,
+                  others,
+                  c,
+                  {},
+                  joins / choice.joins});
+  }
+}
+
+// Joins a camera vertex to those of light paths: techniques (s, t) with both at least 2.
+template <BidirectionalFeatures F, class Observer, class Sampler>
+void BidirectionalTracer<F, Observer, Sampler>::connect_all(const Walk& walk, const PathVertex& v) {
+  const Vec2f u = walks_.sampler.get_2d(dimension(walk.index, BounceDim::kJoin));
+  if (shared_ != nullptr) {
+    Pcg32 rng(std::bit_cast<uint64_t>(u));  // roulette needs no stratification
+    const uint32_t count = shared_->empty(v.point.p) ? 0 : plan_.joins.count();
+    for (uint32_t i = 0; i < count; ++i) {
+      const float u_guess = rng.next_float();
+      connect(walk, v, shared_->choose(v.point.p, {rotate(u.x, i), rotate(u.y, i)}),
+              {u_guess, rng.next_float()});
+    }
+    return;
+  }
+  for (uint32_t i = 0; i < light_.size(); ++i) {
+    if (light_[i].bsdf.connectible()) {
+      connect(walk, v, {&light_[i], light_.data(), light_number_, 1.0},
+              {rotate(u.x, i), rotate(u.y, i)});
+    }
   }
 }
 
@@ -152,7 +192,8 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
   const double others =
       v.mis.beside_merge().sum(heuristic_, static_cast<double>(eval.pdf_reverse)) +
       y.ratios().sum(heuristic_, static_cast<double>(eval.pdf));
-  FoundPath path{y.bounces + 2, walk.depth.total + 2, kNoIndex, nullptr, &v, y.wi, 0.0f, others, c};
+  FoundPath path{
+      y.bounces + 2, walk.depth.total + 2, kNoIndex, nullptr, nullptr, &v, y.wi, 0.0f, others, c};
   path.merged = true;
   path.light_path = y.path;
   add_reaching(walk, kLobeAny, walk.depth.total == 0 && y.bounces == 0, std::move(path));

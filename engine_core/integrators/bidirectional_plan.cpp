@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "integrators/bidirectional_tracer.h"
 #include "integrators/emission_learning.h"
+#include "integrators/join_pilot.h"
 #include "integrators/light_vertices.h"
-#include "math/float_environment.h"
+#include "integrators/pilot.h"
 #include "math/parallel.h"
 
 namespace vernier {
@@ -21,6 +21,8 @@ constexpr int kLeastLog2 = 10, kMostLog2 = 14;
 constexpr uint32_t kAimingPart = 4;
 // Merges of the pilot reach so much farther than those of a picture with as many pixels would.
 constexpr float kPilotBlur = 2.0f;
+// Another part of as many finds out which light paths are worth sharing.
+constexpr uint32_t kJoiningPart = 2;
 // A contribution is small where it is below this part of the picture's mean. Measured by error
 // times processor time: 0.03, 0.1 and 0.3 differ by a fifth at the most in the Cornell box and the
 // caustics, and 0.1 is the best of them on both together.
@@ -83,36 +85,8 @@ struct Findings {
   explicit Findings(uint32_t lights) : tally(lights) {}
 };
 
-// A sequence of its own: no sample of the picture sees these numbers.
-uint64_t pilot_seed(uint64_t seed) { return hash64(~seed); }
-
-// Samples `first` to `last` of the pilot, spread over the picture, by the plan in `context`.
-template <bool kMerging>
-void run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, uint32_t first,
-               uint32_t last, Findings& found) {
-  const FlushDenormals flush;
-  const Scene& scene = context.scene;
-  const std::array<int32_t, 4>& crop = scene.film.crop;
-  BidirectionalMemory memory;
-  for (uint32_t i = first; i < last && !context.cancelled; ++i) {
-    const SobolSampler sampler(0, 0, i, log2_samples, pilot_seed(seed));
-    const Vec2f u = sampler.get_2d(dimension(CameraDim::kFilter));
-    const Vec2f raster{lerp(static_cast<float>(crop[0]), static_cast<float>(crop[2]), u.x),
-                       lerp(static_cast<float>(crop[1]), static_cast<float>(crop[3]), u.y)};
-    const CameraRay ray =
-        scene.camera->generate_ray(raster, sampler.get_2d(dimension(CameraDim::kLens)));
-    NoPassSample no_passes;
-    BidirectionalTracer<BidirectionalFeatures{false, true, kMerging}, LightTally>(
-        context, sampler, found.stats, nullptr, no_passes, memory, found.tally)
-        .run(ray);
-    const Subpath& path = memory.camera;
-    for (uint32_t v = 0; v < path.size() && path[v].point.depth.total <= 1; ++v) {
-      found.points.push_back(path[v].point.p);
-    }
-  }
-}
-
-// The same on all threads. Parts are added in their order: the plan does not depend on the threads.
+// Samples `first` to `last` of the pilot, on all threads. Parts are added in their order: the plan
+// does not depend on the threads.
 Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples, uint32_t first,
                    uint32_t last, const EmissionGuide* cells,
                    const std::vector<EmissionOrigin>* origins) {
@@ -123,10 +97,24 @@ Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples
     return first + static_cast<uint32_t>((last - first) * part / kParts);
   };
   parallel_for(kParts, context.settings.threads, [&](size_t i) {
-    parts[i].tally.guide = cells;
-    parts[i].tally.origins = origins;
-    const auto run = context.light_pass != nullptr ? run_pilot<true> : run_pilot<false>;
-    run(context, seed, log2_samples, bound(i), bound(i + 1), parts[i]);
+    Findings& found = parts[i];
+    found.tally.guide = cells;
+    found.tally.origins = origins;
+    const auto keep = [&](Vec2f, const CameraSample&, const BidirectionalMemory& memory) {
+      const Subpath& path = memory.camera;
+      for (uint32_t v = 0; v < path.size() && path[v].point.depth.total <= 1; ++v) {
+        found.points.push_back(path[v].point.p);
+      }
+    };
+    const auto run = [&]<bool kMerging> {
+      run_pilot<kMerging>(context, seed, log2_samples, bound(i), bound(i + 1), nullptr, found.stats,
+                          found.tally, keep);
+    };
+    if (context.light_pass != nullptr) {
+      run.template operator()<true>();
+    } else {
+      run.template operator()<false>();
+    }
   });
   Findings all(lights);
   for (const Findings& part : parts) {
@@ -207,6 +195,9 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
     plan->inverse_threshold = static_cast<float>((count - aiming) / (kSmallPart * tally.total));
     choose_by(tally, plan->guide);
     direct_by(tally, *scene.lights, plan->guide);
+    if (static_cast<IntegratorKind>(context.settings.integrator) == IntegratorKind::kBdpt) {
+      learn_joins(pilot, seed, count / kJoiningPart, *plan, stats);
+    }
   }
   return plan;
 }

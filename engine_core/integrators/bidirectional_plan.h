@@ -5,6 +5,7 @@
 
 #include "integrators/integrator.h"
 #include "lights/emission_guide.h"
+#include "paths/join_guide.h"
 
 namespace vernier {
 
@@ -12,6 +13,7 @@ namespace vernier {
 // picture.
 struct BidirectionalPlan : Plan {
   EmissionGuide guide;
+  JoinGuide joins;
   // Contributions below the inverse of this are followed by chance only; infinite: all are
   // followed.
   float inverse_threshold = kInfinity;

@@ -2,9 +2,10 @@
 //
 // One sample is a light sub-path and a camera sub-path. The first splats every vertex to the camera
 // (techniques with t = 1). The second meets lights (s = 0), samples lights (s = 1) and is joined to
-// every vertex of the first (s, t >= 2), at each of its vertices. Where the method merges, it also
-// gathers there what ends nearby of the first sub-paths of all samples of the batch (vertex
-// connection and merging: Georgiev et al. 2012). The bookkeeping of the weights is paths/mis.h.
+// every vertex of the first, or to some of all that a batch shares (s, t >= 2), at each of its
+// vertices. Where the method merges, it also gathers there what ends nearby of the first sub-paths
+// of all samples of the batch (vertex connection and merging: Georgiev et al. 2012). The
+// bookkeeping of the weights is paths/mis.h.
 #pragma once
 
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "integrators/camera_loop.h"
 #include "integrators/filtered_splats.h"
 #include "integrators/light_vertices.h"
+#include "integrators/shared_paths.h"
 #include "integrators/technique_set.h"
 #include "lights/light_sampler.h"
 #include "paths/light_walk.h"
@@ -28,12 +30,13 @@ class BidirectionalTracer {
 
   BidirectionalTracer(const RenderContext& context, const Sampler& sampler, RenderStats& stats,
                       SplatFrame* splats, Passes& passes, BidirectionalMemory& memory,
-                      Observer& observer)
+                      Observer& observer, const SharedPaths* shared = nullptr)
       : BidirectionalTracer(context, sampler, stats, splats, passes, memory, observer,
-                            TechniqueSet(context.settings, context.scene.requirements)) {}
+                            TechniqueSet(context.settings, context.scene.requirements), shared) {}
   BidirectionalTracer(const RenderContext& context, const Sampler& sampler, RenderStats& stats,
                       SplatFrame* splats, Passes& passes, BidirectionalMemory& memory,
-                      Observer& observer, const TechniqueSet& techniques)
+                      Observer& observer, const TechniqueSet& techniques,
+                      const SharedPaths* shared = nullptr)
       : scene_(context.scene),
         lights_(*context.scene.lights),
         camera_(*context.scene.camera),
@@ -50,6 +53,7 @@ class BidirectionalTracer {
                stats.rays},
         stats_(stats),
         splats_(context.scene.film, context.filter, splats),
+        shared_(shared),
         light_(memory.light),
         camera_path_(memory.camera),
         film_(context.scene, passes),
@@ -183,7 +187,7 @@ class BidirectionalTracer {
                bounded_product(heuristic_(emitted * d.cosine / d.pdf), d.sum);
     }
     const PathVertex* z = walk.depth.total > 0 ? &camera_path_[visitor.last] : nullptr;
-    add({0, walk.depth.total + 2, light, nullptr, z, -direction, distance, others,
+    add({0, walk.depth.total + 2, light, nullptr, nullptr, z, -direction, distance, others,
          walk.beta * radiance},
         walk.depth.total <= 1,
         [&](auto& passes, Color c) { passes.add_met(walk.depth.total, environment, c); });
@@ -204,7 +208,8 @@ class BidirectionalTracer {
       v.mis.chain = 0.0;
     } else {
       v.mis = visitor.departure.arrive(heuristic_, static_cast<double>(walk.travelled), cosine,
-                                       visitor.crosses);
+                                       visitor.crosses,
+                                       light_ends().joins_of(v.point.p, visitor.receiver.p));
     }
     if constexpr (F.merging) {
       allow_merges(heuristic_, merge_area_, v);
@@ -223,12 +228,7 @@ class BidirectionalTracer {
         return true;
       }
       sample_light(walk, v);
-      const Vec2f u = walks_.sampler.get_2d(dimension(walk.index, BounceDim::kJoin));
-      for (uint32_t i = 0; i < light_.size(); ++i) {
-        if (light_[i].bsdf.connectible()) {
-          connect(walk, v, light_[i], {rotate(u.x, i), rotate(u.y, i)});
-        }
-      }
+      connect_all(walk, v);
     }
     return true;
   }
@@ -283,12 +283,13 @@ class BidirectionalTracer {
       emitted = blocked ? 0.0 : emitted;
     }
     const double others = met + emitted;
-    add_reaching(
-        walk, mask, walk.depth.total == 0,
-        {1, walk.depth.total + 2, light.light, nullptr, &v, light.wi, light.distance, others, c});
+    add_reaching(walk, mask, walk.depth.total == 0,
+                 {1, walk.depth.total + 2, light.light, nullptr, nullptr, &v, light.wi,
+                  light.distance, others, c});
   }
 
-  void connect(const Walk& walk, const PathVertex& v, const PathVertex& y, Vec2f u);
+  void connect_all(const Walk& walk, const PathVertex& v);
+  void connect(const Walk& walk, const PathVertex& v, const SharedPaths::Choice& choice, Vec2f u);
   void merge(const Walk& walk, const PathVertex& v);
   void merge(const Walk& walk, const PathVertex& v, const LightVertex& y, float density);
 
@@ -303,7 +304,10 @@ class BidirectionalTracer {
     });
   }
 
-  LightEnds light_ends() const { return {scene_, plan_.guide, heuristic_, merge_area_}; }
+  LightEnds light_ends() const {
+    return {scene_, plan_.guide, heuristic_, merge_area_,
+            shared_ != nullptr ? &plan_.joins : nullptr};
+  }
   SegmentContext segments() const { return {scene_, walks_.limits.transparent, walks_.rays}; }
 
   Color clamp(Color c, bool direct) const {
@@ -337,6 +341,7 @@ class BidirectionalTracer {
   const WalkContext<Sampler> walks_;
   RenderStats& stats_;
   const FilteredSplats splats_;
+  const SharedPaths* shared_;  // null: camera vertices are joined to the sample's own light path
   Subpath& light_;
   Subpath& camera_path_;
   CameraFilm<F.passes> film_;

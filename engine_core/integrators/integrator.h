@@ -64,7 +64,8 @@ struct Kernel {
   // Makes the plan; null where the method needs none.
   std::unique_ptr<const Plan> (*make_plan)(const RenderContext& context, uint64_t seed,
                                            RenderStats& stats) = nullptr;
-  // Begins a batch's light pass; null where the method has none. `context` has the plan.
+  // Begins a batch's light pass, or returns null where it turns out to need none; null where the
+  // method has none. `context` has the plan.
   std::unique_ptr<LightPass> (*make_light_pass)(const RenderContext& context,
                                                 const Batch& batch) = nullptr;
   bool single_samples = false;          // batches do not grow: each is one sample per pixel

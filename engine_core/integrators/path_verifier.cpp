@@ -48,7 +48,8 @@ struct PathVerifier::End {
 };
 
 PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
-                           const BidirectionalMemory& memory, double tolerance, double merge_area)
+                           const BidirectionalMemory& memory, double tolerance, double merge_area,
+                           const JoinGuide* joins)
     : scene_(scene),
       techniques_(settings, scene.requirements),
       heuristic_(techniques_.heuristic(settings)),
@@ -57,7 +58,8 @@ PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const E
       memory_(memory),
       tolerance_(tolerance),
       light_share_(share_of_frame(scene.film)),
-      merge_area_(merge_area) {}
+      merge_area_(merge_area),
+      joins_(joins) {}
 
 // Meets the vertex anew from both sides.
 void PathVerifier::see(Vertex& v, bool scatters_by_chance) const {
@@ -108,8 +110,8 @@ void PathVerifier::see(Vertex& v, bool scatters_by_chance) const {
 
 std::vector<PathVerifier::Vertex> PathVerifier::vertices_of(const FoundPath& found) const {
   std::vector<Vertex> vertices;
-  const auto follow = [&](const Subpath& path, const PathVertex* v, bool by_camera) {
-    for (;; v = &path[v->parent]) {
+  const auto follow = [&](const PathVertex* path, const PathVertex* v, bool by_camera) {
+    for (;; v = path + v->parent) {
       vertices.emplace_back();
       vertices.back().made = v;
       vertices.back().by_camera = by_camera;
@@ -119,12 +121,12 @@ std::vector<PathVerifier::Vertex> PathVerifier::vertices_of(const FoundPath& fou
     }
   };
   if (found.z != nullptr) {
-    follow(memory_.camera, found.z, true);
+    follow(memory_.camera.data(), found.z, true);
     std::reverse(vertices.begin(), vertices.end());
   }
   const size_t from_camera = vertices.size();
   if (found.y != nullptr) {
-    follow(memory_.light, found.y, false);
+    follow(found.y_path, found.y, false);
   }
   for (size_t i = 0; i < vertices.size(); ++i) {
     Vertex& v = vertices[i];
@@ -292,8 +294,8 @@ void PathVerifier::compare_throughput(const FoundPath& found, const std::vector<
   }
   const double expected = *std::max_element(product.begin(), product.end()) *
                           std::exp(log_geometry - log_pdfs[static_cast<size_t>(found.s)]);
-  compare(found, PathCheck::kThroughput, largest(found.contribution) * (1.0 + found.others),
-          expected, true);
+  compare(found, PathCheck::kThroughput,
+          largest(found.contribution) * (1.0 + found.others) / found.share, expected, true);
 }
 
 void PathVerifier::found(const FoundPath& found) {
@@ -348,6 +350,7 @@ void PathVerifier::found(const FoundPath& found) {
     if (v.made->bsdf.connectible()) {
       s.merge_area = merge_area_ * square(static_cast<double>(merge_scale(*v.made)));
     }
+    s.joins = joins_ != nullptr && i > 0 ? joins_->joins(s.p, path.surfaces[i - 1].p) : 1.0;
     path.surfaces.push_back(s);
     straight = straight && v.made->point.depth.transparent == 0;
     compare_scattering(found, v);

@@ -12,6 +12,7 @@
 #include "integrators/technique_set.h"
 #include "lights/emission_guide.h"
 #include "lights/light_sample.h"
+#include "paths/join_guide.h"
 #include "paths/technique_pdfs.h"
 #include "render/settings.h"
 #include "scene/scene.h"
@@ -52,7 +53,8 @@ class PathVerifier {
   // `merge_area`: LightVertices::area() where sub-paths are merged. Merges themselves are left to
   // the other techniques' weights: they have no one vertex where the sub-paths meet.
   PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
-               const BidirectionalMemory& memory, double tolerance, double merge_area);
+               const BidirectionalMemory& memory, double tolerance, double merge_area,
+               const JoinGuide* joins);
 
   void emitted(const EmissionSample&) {}
   void found(const FoundPath& found);
@@ -82,6 +84,7 @@ class PathVerifier {
   const double tolerance_;
   const double light_share_;
   const double merge_area_;
+  const JoinGuide* joins_;  // null: light paths are not shared
   PathReport report_;
 };
 

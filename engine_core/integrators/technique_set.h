@@ -63,15 +63,17 @@ struct BidirectionalMemory {
 
 // One way of making a path, as it is found: what an observer is told.
 struct FoundPath {
-  int s, t;             // vertices from the light, from the camera; merged: one is of both
-  uint32_t light;       // kNoIndex: merged, or emission that no light stands for
-  const PathVertex* y;  // the light's sub-path ends here; null: s < 2
-  const PathVertex* z;  // the camera's sub-path ends here; null: t = 1, or t = 2 and s = 0
-  Vec3f wi;             // s < 2: from z to the light, unit
-  float distance;       // s < 2: to the light, from z; infinite beyond the scene
-  double others;        // densities of the other techniques, to the heuristic's power, over this
-  Color contribution;   // weighted
-  Vec2f raster = {};    // t = 1: where it was splatted, pixels of the full frame
+  int s, t;                  // vertices from the light, from the camera; merged: one is of both
+  uint32_t light;            // kNoIndex: merged, or emission that no light stands for
+  const PathVertex* y;       // the light's sub-path ends here; null: s < 2
+  const PathVertex* y_path;  // the vertices that y's parents are numbered among
+  const PathVertex* z;       // the camera's sub-path ends here; null: t = 1, or t = 2 and s = 0
+  Vec3f wi;                  // s < 2: from z to the light, unit
+  float distance;            // s < 2: to the light, from z; infinite beyond the scene
+  double others;       // densities of the other techniques, to the heuristic's power, over this
+  Color contribution;  // weighted
+  Vec2f raster = {};   // t = 1: where it was splatted, pixels of the full frame
+  double share = 1;    // of what the technique's density says, that it counts: see SharedPaths
   bool merged = false;
   uint32_t light_path = kNoIndex;  // merged: which of the batch
 };

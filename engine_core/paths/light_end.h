@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lights/light_sampler.h"
+#include "paths/join_guide.h"
 #include "paths/mis.h"
 #include "paths/path_vertex.h"
 
@@ -15,6 +16,12 @@ struct LightEnds {
   const EmissionGuide& guide;
   MisHeuristic heuristic;
   double merge_area = 0;  // paths from lights times the area in which they are gathered; 0: none
+  const JoinGuide* joins = nullptr;  // null: each vertex is joined once
+
+  // How often such vertices are joined, for each path from a light.
+  double joins_of(Vec3f light, Vec3f camera) const {
+    return joins != nullptr ? joins->joins(light, camera) : 1.0;
+  }
 };
 
 // The vertex as lights are sampled for it.

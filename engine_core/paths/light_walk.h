@@ -42,6 +42,7 @@ struct LightVisitor {
   Client& client;
   MisDeparture departure{};
   Color from_lamp = splat(1.0f);  // what of the lamp's light reaches the ray's start
+  Vec3f last = {};                // where it scattered last
 
   bool segment(const Walk&, const Ray&, bool) { return true; }
   PathVertex& vertex() { return path.append(); }
@@ -53,7 +54,8 @@ struct LightVisitor {
     }
     if (walk.depth.total > 0) {
       v.mis = departure.arrive(ends.heuristic, static_cast<double>(walk.travelled),
-                               static_cast<double>(abs_cosine(v.point, v.point.wo)), true);
+                               static_cast<double>(abs_cosine(v.point, v.point.wo)), true,
+                               ends.joins_of(last, v.point.p));
     } else {
       from_lamp = lit_through(emission, segments, walk.travelled);
       if (is_black(from_lamp) && is_black(v.bsdf.transparency)) {
@@ -83,6 +85,7 @@ struct LightVisitor {
       walk_.beta *= from_lamp;
     }
     departure = departure_of(ends.heuristic, v, sample);
+    last = v.point.p;
   }
 };
 

@@ -15,6 +15,9 @@
 // e the density over (area of v_{n-2}, solid angle at it) of a ray that starts at the light:
 //   (0, n) : (1, n-1) : (2, n-2)  =  p_b P_C : p_l P_C : e.
 //
+// Shared light paths. Where camera vertices are joined to vertices of many light paths (see
+// join_guide.h), joins have that number for a factor, which depends on the light's vertex.
+//
 // Merging. A vertex v_i may also come from both sides at once: the camera's walk makes it, and one
 // of N walks from lights ends within r of it. That technique has the density of the join between
 // v_i and v_{i+1} times P_L of v_i and the area N pi r^2, the number of walks that would end there
@@ -111,13 +114,14 @@ struct MisDeparture {
   }
 
   // The next vertex, at `distance`, with `cosine_there` at it. `other_crosses`: whether the other
-  // side's sub-paths may contain the edge.
-  MisState arrive(const MisHeuristic& h, double distance, double cosine_there,
-                  bool other_crosses) const {
+  // side's sub-paths may contain the edge. `joins`: how often it is made by joining its ends, for
+  // each path from a light.
+  MisState arrive(const MisHeuristic& h, double distance, double cosine_there, bool other_crosses,
+                  double joins = 1.0) const {
     const double inverse_d2 = 1.0 / std::max(distance * distance, kLeastSquare);
     MisState next;
     next.pdf = pdf * cosine_there * inverse_d2;
-    next.neighbour = h.joins() && !singular && other_crosses ? 1.0 : 0.0;
+    next.neighbour = h.joins() && !singular && other_crosses ? h(joins) : 0.0;
     next.chain = other_crosses ? bounded_product(h(cosine * inverse_d2), sum) : 0.0;
     return next;
   }

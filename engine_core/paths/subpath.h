@@ -17,6 +17,7 @@ class Subpath {
 
   void clear() { count_ = 0, parent_ = kNoIndex; }
   uint32_t size() const { return count_; }
+  const PathVertex* data() const { return vertices_.data(); }
   const PathVertex& operator[](uint32_t i) const { return vertices_[i]; }
 
   // A vertex to be filled. It is part of the path; drop() takes it back.

@@ -120,6 +120,8 @@ std::vector<double> technique_log_pdfs(const Path& path) {
       result[s] += log_of(path.surfaces[count - 1].pdf_to_light);
     } else if (s == 1) {
       result[s] += log_of(path.light.pdf_sampled);
+    } else if (s > 1 && s + 1 < n) {
+      result[s] += std::log(path.surfaces[from_camera].joins);
     }
   }
   for (size_t i = 0; path.merges && i < count; ++i) {
@@ -174,8 +176,8 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
     const MisDeparture d(h, camera[i], v[i].pdf_to_light, v[i].pdf_to_camera, leaves, v[i].singular,
                          v[i].light_reaches);
     if (i + 1 < count) {
-      camera[i + 1] =
-          d.arrive(h, edge.distance, cosine(v[i + 1], edge.direction), v[i + 1].light_crosses);
+      camera[i + 1] = d.arrive(h, edge.distance, cosine(v[i + 1], edge.direction),
+                               v[i + 1].light_crosses, v[i + 1].joins);
     } else {
       to_light = d;
     }
@@ -190,7 +192,7 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
     const Edge edge(v[i].p, v[i - 1].p);
     const MisDeparture d(h, light[i], v[i].pdf_to_camera, v[i].pdf_to_light,
                          cosine(v[i], edge.direction), v[i].singular, true);
-    light[i - 1] = d.arrive(h, edge.distance, cosine(v[i - 1], edge.direction), true);
+    light[i - 1] = d.arrive(h, edge.distance, cosine(v[i - 1], edge.direction), true, v[i].joins);
     if (path.merges) {
       light[i - 1].merges(h, v[i - 1].merge_area);
     }
@@ -216,6 +218,7 @@ std::vector<double> recursive_weights(const Path& path, const MisHeuristic& h) {
     } else {
       others = light[t - 1].sum(h, std::exp(pdfs.log_camera[t - 1]), v[t - 1].pdf_to_light) +
                (t > 1 ? before(t - 2, std::exp(pdfs.log_light[t - 2])) : 0.0);
+      others /= t > 1 ? h(v[t - 1].joins) : 1.0;
     }
     weights[s] = 1.0 / (1.0 + others);
   }

@@ -32,6 +32,9 @@ struct PathSurface {
   bool light_crosses = true;  // joins, and walks from lights, may contain the edge before it
   // Paths from lights times the area within which each is gathered, m^2; 0: nothing merges here.
   double merge_area = 0;
+  // How often a join has the surface before it for the camera's end, for each path from a light
+  // that ends here.
+  double joins = 1;
 };
 
 // Where the path ends on the camera.

@@ -6,9 +6,11 @@ namespace vernier {
 
 void LightPassQueue::Making::begin_stage() {
   next = done = jobs = 0;
-  while (!complete() && (jobs = pass->jobs(stage)) == 0) {
+  const int stages = pass == nullptr ? 0 : pass->stages();
+  while (stage < stages && (jobs = pass->jobs(stage)) == 0) {
     ++stage;
   }
+  complete = stage == stages;
 }
 
 size_t LightPassQueue::tiles(uint64_t number) const {
@@ -32,13 +34,13 @@ std::shared_ptr<LightPassQueue::Making> LightPassQueue::find(const RenderContext
   return found;
 }
 
-std::shared_ptr<const LightPass> LightPassQueue::get(const RenderContext& context, uint64_t number,
-                                                     RenderStats& stats) {
+bool LightPassQueue::get(const RenderContext& context, uint64_t number, RenderStats& stats,
+                         std::shared_ptr<const LightPass>& pass) {
   std::unique_lock lock(mutex_);
   const std::shared_ptr<Making> making = find(context, number);
-  while (!making->complete()) {
+  while (!making->complete) {
     if (making->failed || context.cancelled) {
-      return nullptr;
+      return false;
     }
     if (making->next == making->jobs) {
       // Whoever is at work tells when it is done, cancelled or not.
@@ -65,7 +67,8 @@ std::shared_ptr<const LightPass> LightPassQueue::get(const RenderContext& contex
     }
     changed_.notify_all();
   }
-  return making->pass;
+  pass = making->pass;
+  return true;
 }
 
 }  // namespace vernier

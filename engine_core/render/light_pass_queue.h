@@ -21,10 +21,11 @@ class LightPassQueue {
   LightPassQueue(const Kernel& kernel, const BatchPlan& batches, std::vector<uint64_t> begun)
       : kernel_(kernel), batches_(batches), begun_(std::move(begun)) {}
 
-  // The light pass of batch `number`, or null when the render has been stopped. What a job throws
-  // leaves from here, and the other threads get null: the caller stops the render then.
-  std::shared_ptr<const LightPass> get(const RenderContext& context, uint64_t number,
-                                       RenderStats& stats);
+  // Makes `pass` the light pass of batch `number`; null where it needs none. False when the render
+  // has been stopped. What a job throws leaves from here, and the other threads get false: the
+  // caller stops the render then.
+  bool get(const RenderContext& context, uint64_t number, RenderStats& stats,
+           std::shared_ptr<const LightPass>& pass);
 
  private:
   struct Making {
@@ -34,8 +35,9 @@ class LightPassQueue {
     size_t asked = 0;
     bool failed = false;
 
-    bool complete() const { return stage == pass->stages(); }
-    // To the first stage from `stage` on that has jobs.
+    bool complete = false;
+
+    // To the first stage from `stage` on that has jobs; when no job runs.
     void begin_stage();
   };
 

@@ -279,11 +279,9 @@ void Session::work(int thread) {
       const Tile& tile = film_.tiles()[tile_number];
       const Batch batch = plan_[number];
       std::shared_ptr<const LightPass> light_pass;
-      if (kernel_.make_light_pass != nullptr) {
-        light_pass = light_passes_.get(context, number, stats);
-        if (light_pass == nullptr) {
-          break;
-        }
+      if (kernel_.make_light_pass != nullptr &&
+          !light_passes_.get(context, number, stats, light_pass)) {
+        break;
       }
       RenderContext tile_context = context;
       tile_context.light_pass = light_pass.get();

@@ -59,6 +59,11 @@ constexpr std::array kMisHeuristics{
     EnumItem{"BALANCE", "Balance", "In proportion to each technique's density"},
     EnumItem{"POWER", "Power", "In proportion to its square: sharper where one is far better"},
 };
+constexpr std::array kSharing{
+    EnumItem{"AUTO", "Automatic", "Share them where a pilot finds that few light paths matter"},
+    EnumItem{"NEVER", "Never", "Each sample's own light path"},
+    EnumItem{"ALWAYS", "Always", "Those of a whole batch, chosen by their use in a pilot"},
+};
 constexpr std::array kDirectLight{
     EnumItem{"MIS", "Multiple Importance",
              "Sample lights and materials, and weight both by the power heuristic"},
@@ -191,6 +196,8 @@ const std::array kParameters{
             "Recursion Depth", "Deepest recursion of Whitted ray tracing"),
     choice("bidirectional", "mis_heuristic", &Settings::mis_heuristic, kMisHeuristics,
            "MIS Heuristic", "How the techniques that find one path share it"),
+    choice("bidirectional", "share_light_paths", &Settings::share_light_paths, kSharing,
+           "Share Light Paths", "Which light paths a camera path is joined to"),
     integer("bidirectional", "only_light_vertices", &Settings::only_light_vertices, -1, 1 << 16, -1,
             16, "Light Vertices",
             "Show only the techniques with this many vertices from the light; -1: all"),

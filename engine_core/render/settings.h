@@ -30,6 +30,7 @@ enum class IntegratorKind : int {
 enum class MisExponent : int { kBalance, kPower };
 enum class PhotonDirect : int { kShadowRays, kPhotons };
 enum class PhotonView : int { kOff, kGlobal, kCaustic };
+enum class LightPathSharing : int { kAuto, kNever, kAlways };
 enum class DirectLight : int { kMis, kLight, kBsdf, kUniform, kMixture };
 
 struct Settings {
@@ -54,6 +55,7 @@ struct Settings {
   double clamp_indirect = 0.0;
   int whitted_depth = 16;
   int mis_heuristic = static_cast<int>(MisExponent::kPower);
+  int share_light_paths = static_cast<int>(LightPathSharing::kAuto);
   int only_light_vertices = -1;
   int only_camera_vertices = -1;
   int unweighted = 0;

@@ -47,6 +47,15 @@ def test_bidirectional_path_tracing(name: str) -> None:
     assert_equal_means(reference(name), shots(name, "BDPT", max_bounces=5))
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["material rough_glass", "material diffuse_and_mirror", "light many", "camera focus"],
+)
+def test_shared_light_paths(name: str) -> None:
+    shared = shots(name, "BDPT", max_bounces=5, share_light_paths="ALWAYS")
+    assert_equal_means(reference(name), shared)
+
+
 LIT_BY_PATHS = [
     name
     for name in SCENES

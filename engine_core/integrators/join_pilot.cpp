@@ -20,7 +20,7 @@ namespace {
 constexpr int kRounds = 2;
 // Light paths for each sample: far more paths from the camera than from lights find the other side
 // of a narrow opening only once they are shared.
-constexpr uint32_t kPathsPerSample = 8;
+constexpr uint32_t kPathsPerSample = 4;
 // Joins of a camera vertex. Measured by error times processor time in the room behind a door ajar:
 // 3.3 with 2 of them, 2.4 with 8, 2.7 with 16.
 constexpr uint32_t kJoins = 8;

@@ -56,8 +56,8 @@ def test_a_short_run_makes_the_page(tool: Tool, tmp_path: Path) -> None:
     done = tool(
         "tradeoff",
         str(CORNELL_BOX),
-        *("--engines", "vernier,cycles", "--budgets", "0.2,0.6", "--repeats", "1"),
-        *("--reference-time", "2", "--resolution", "32x32", "--cache", str(tmp_path / "cache")),
+        *("--engines", "vernier,cycles", "--budgets", "1,3", "--repeats", "1"),
+        *("--reference-time", "6", "--resolution", "32x32", "--cache", str(tmp_path / "cache")),
         *("-o", str(tmp_path / "page")),
     )
     assert done.returncode == 0, done.stderr

@@ -88,7 +88,8 @@ def validate_view(camera: Camera, film: Film) -> None:
 
 
 def _fail(name: str, what: str) -> None:
-    raise DescriptionError(f"{name}: {what}")
+    # Values of the wrong type may print as many lines.
+    raise DescriptionError(" ".join(f"{name}: {what}".split()))
 
 
 def _check_array(

@@ -15,6 +15,7 @@
 #include "integrators/camera_loop.h"
 #include "integrators/filtered_splats.h"
 #include "integrators/light_vertices.h"
+#include "integrators/met_lights.h"
 #include "integrators/shared_paths.h"
 #include "integrators/technique_set.h"
 #include "lights/light_sampler.h"
@@ -148,25 +149,11 @@ class BidirectionalTracer {
     if (!techniques_.camera_paths && walk.depth.total > 0) {
       return false;
     }
-    const Receiver* from = visitor.sampled_from(walk);
-    if (lights_.has_lamp_hits(walk.mask)) {
-      lights_.for_each_lamp_hit(from, ray, walk.mask, walk.travelled, [&](const LightHit& lamp) {
-        add_met(walk, visitor, lamp.light, -ray.d, walk.travelled + lamp.t, lamp.pdf, lamp.radiance,
-                false);
-      });
-    }
-    if (found) {
-      return true;
-    }
-    if (walk.depth.total == 0 && scene_.film.transparent) {
-      film_.uncover(walk.beta);
-    } else if (lights_.has_escapes(walk.mask)) {
-      lights_.for_each_escape(
-          from, ray.d, walk.mask, walk.flags, walk.depth, [&](const LightHit& light) {
-            add_met(walk, visitor, light.light, -ray.d, kInfinity, light.pdf, light.radiance, true);
-          });
-    }
-    return false;
+    return vernier::meet_lights(scene_, visitor.sampled_from(walk), walk, ray, found, film_,
+                                [&](const LightHit& light, float distance, bool beyond) {
+                                  add_met(walk, visitor, light.light, -ray.d, distance, light.pdf,
+                                          light.radiance, beyond);
+                                });
   }
 
   // Light that the walk met, leaving along `direction`, which light sampling would have found with

@@ -8,6 +8,7 @@
 
 #include "integrators/camera_film.h"
 #include "integrators/camera_loop.h"
+#include "integrators/met_lights.h"
 #include "lights/light_sampler.h"
 #include "paths/light_end.h"
 #include "paths/mis.h"
@@ -133,23 +134,10 @@ class PhotonTracer {
     if (estimator_.shows_photons() || only_gathers_) {
       return found;
     }
-    const Receiver* from = visitor.sampled_from(walk);
-    if (lights_.has_lamp_hits(walk.mask)) {
-      lights_.for_each_lamp_hit(from, ray, walk.mask, walk.travelled, [&](const LightHit& lamp) {
-        add_met(walk, visitor, lamp.pdf, lamp.radiance, false);
-      });
-    }
-    if (found) {
-      return true;
-    }
-    if (walk.depth.total == 0 && scene_.film.transparent) {
-      film_.uncover(walk.beta);
-    } else if (lights_.has_escapes(walk.mask)) {
-      lights_.for_each_escape(
-          from, ray.d, walk.mask, walk.flags, walk.depth,
-          [&](const LightHit& light) { add_met(walk, visitor, light.pdf, light.radiance, true); });
-    }
-    return false;
+    return vernier::meet_lights(scene_, visitor.sampled_from(walk), walk, ray, found, film_,
+                                [&](const LightHit& light, float, bool beyond) {
+                                  add_met(walk, visitor, light.pdf, light.radiance, beyond);
+                                });
   }
 
   // Light that the path met itself, which light sampling would have found with density `sampled`.

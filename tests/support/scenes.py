@@ -197,6 +197,17 @@ class SceneBuilder:
         return light
 
 
+def soft_scene(size: int) -> SceneBuilder:
+    """A ball under a panel and an even sky: light that every method finds soon."""
+    scene = SceneBuilder((size, size))
+    scene.camera((0, -5, 3), (0, 0, 0.3))
+    scene.add(quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), diffuse(0.5))
+    scene.add(sphere(0.8, (0, 0, 0.8), rings=12), diffuse((0.8, 0.4, 0.3)))
+    scene.add(quad((-1, -1, 4), (0, 2, 0), (2, 0, 0)), emission(6.0))
+    scene.description.world = background(0.2)
+    return scene
+
+
 def render(
     description: SceneDescription | SceneBuilder,
     passes: Sequence[str] = ("Combined",),

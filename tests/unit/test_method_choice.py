@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from scenes import SceneBuilder, background, diffuse, emission, quad, shader, sphere
+from scenes import SceneBuilder, diffuse, emission, quad, shader, soft_scene, sphere
 
 import engine_core
 
 
 def soft(size: int = 96) -> Any:
-    """A world's light on a matte floor: nothing that a path from a lamp would find sooner."""
-    builder = SceneBuilder((size, size))
-    builder.camera((0, -5, 3), (0, 0, 0.3))
-    builder.add(quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), diffuse(0.5))
-    builder.add(sphere(0.8, (0, 0, 0.8), rings=12), diffuse((0.8, 0.4, 0.3)))
-    builder.add(quad((-1, -1, 4), (0, 2, 0), (2, 0, 0)), emission(6.0))
-    builder.description.world = background(0.2)
-    return engine_core.compile(builder.description, threads=2)
+    """Nothing that a path from a lamp would find sooner."""
+    return engine_core.compile(soft_scene(size).description, threads=2)
 
 
 def fixture(size: int = 96) -> Any:

@@ -7,21 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import Array, SceneBuilder, background, diffuse, emission, quad, sphere
+from scenes import Array, soft_scene
 
 import engine_core
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def soft_scene(size: int = 32) -> Any:
-    builder = SceneBuilder((size, size))
-    builder.camera((0, -5, 3), (0, 0, 0.3))
-    builder.add(quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), diffuse(0.5))
-    builder.add(sphere(0.8, (0, 0, 0.8), rings=12), diffuse((0.8, 0.4, 0.3)))
-    builder.add(quad((-1, -1, 4), (0, 2, 0), (2, 0, 0)), emission(6.0))
-    builder.description.world = background(0.2)
-    return engine_core.compile(builder.description, threads=2)
+def soft(size: int = 32) -> Any:
+    return engine_core.compile(soft_scene(size).description, threads=2)
 
 
 def rendered(scene: Any, **settings: Any) -> Any:
@@ -43,14 +37,14 @@ def luminance(session: Any, scene: Any) -> Array:
 @pytest.mark.parametrize("integrator", ["PATH", "BDPT"])
 @pytest.mark.parametrize("target", [8.0, 4.0])
 def test_a_render_ends_at_its_target(integrator: str, target: float) -> None:
-    progress = rendered(soft_scene(), integrator=integrator, target_error=target).poll(True)
+    progress = rendered(soft(), integrator=integrator, target_error=target).poll(True)
     assert progress.ending == "target"
     assert 0.4 * target / 100 < progress.error <= target / 100
     assert 16 <= progress.samples < 1 << 16
 
 
 def test_what_comes_first_ends_a_render() -> None:
-    scene = soft_scene(8)
+    scene = soft(8)
     assert rendered(scene, samples=20, target_error=1e-3).poll().ending == "samples"
     assert rendered(scene, samples=20).poll().ending == "samples"
     ended = rendered(scene, samples=1 << 24, time_limit=0.2, target_error=1e-3).poll()
@@ -65,7 +59,7 @@ def test_what_comes_first_ends_a_render() -> None:
 
 
 def test_a_target_s_picture_does_not_depend_on_the_threads() -> None:
-    scene = soft_scene(40)
+    scene = soft(40)
     pictures = [
         luminance(rendered(scene, target_error=25.0, threads=threads), scene)
         for threads in (1, 2, 5)
@@ -76,14 +70,14 @@ def test_a_target_s_picture_does_not_depend_on_the_threads() -> None:
 
 def test_too_few_batches_certify_nothing() -> None:
     """However generous the target, sixteen batches are needed to tell."""
-    progress = rendered(soft_scene(8), target_error=1000.0).poll()
+    progress = rendered(soft(8), target_error=1000.0).poll()
     assert progress.ending == "target"
     assert progress.samples >= 16
 
 
 def test_stopping_at_a_target_biases_neither_picture_nor_claim() -> None:
     """200 small renders: their mean is the truth, and 95 in 100 pixels lie within their error."""
-    scene = soft_scene(12)
+    scene = soft(12)
     truth = luminance(rendered(scene, samples=32768, seed=10_000), scene)
     floor = 0.01 * truth.mean()
     values, inside = [], []

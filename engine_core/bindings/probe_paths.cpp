@@ -5,11 +5,11 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "bidirectional/path_verifier.h"
+#include "bidirectional/plan.h"
+#include "bidirectional/shared_paths.h"
+#include "bidirectional/tracer.h"
 #include "bindings/bind.h"
-#include "integrators/bidirectional_plan.h"
-#include "integrators/bidirectional_tracer.h"
-#include "integrators/path_verifier.h"
-#include "integrators/shared_paths.h"
 
 namespace nb = nanobind;
 

@@ -1,6 +1,6 @@
 #include "integrators/bidirectional.h"
 
-#include "integrators/bidirectional_tracer.h"
+#include "bidirectional/tracer.h"
 
 namespace vernier {
 namespace {

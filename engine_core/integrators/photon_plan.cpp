@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "integrators/bidirectional_plan.h"
-#include "integrators/emission_learning.h"
+#include "bidirectional/emission_learning.h"
+#include "bidirectional/plan.h"
 #include "math/float_environment.h"
 #include "math/parallel.h"
 #include "photons/photon_walk.h"

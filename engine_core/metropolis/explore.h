@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "integrators/bidirectional_tracer.h"
+#include "bidirectional/tracer.h"
 #include "integrators/camera_loop.h"
 #include "metropolis/metropolis_step.h"
 #include "metropolis/seed_pool.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "integrators/bidirectional_plan.h"
+#include "bidirectional/plan.h"
 
 namespace vernier {
 

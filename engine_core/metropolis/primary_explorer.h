@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "integrators/bidirectional_tracer.h"
+#include "bidirectional/tracer.h"
 #include "metropolis/contribution.h"
 #include "metropolis/metropolis_plan.h"
 #include "metropolis/metropolis_step.h"

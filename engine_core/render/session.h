@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "integrators/integrator.h"
-#include "pilot/method_choice.h"
+#include "method_choice/method_choice.h"
 #include "render/film.h"
 #include "render/light_pass_queue.h"
 #include "render/schedule.h"

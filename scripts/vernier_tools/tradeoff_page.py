@@ -42,7 +42,8 @@ def seconds_text(seconds: float, measured_to: float) -> str:
     """In parentheses where it lies beyond what was measured."""
     if not math.isfinite(seconds) or seconds > 1e7:
         return "(never)"
-    text = f"{seconds:.2g}" if seconds < 100 else f"{seconds:.0f}"
+    # Two digits, yet never an exponent, which `.2g` writes from 99.5 on.
+    text = f"{seconds:.2g}" if seconds < 99.5 else f"{seconds:.0f}"
     return text if seconds <= 1.5 * measured_to else f"({text})"
 
 

@@ -22,7 +22,7 @@ def is_rendering(blender: BlenderSession) -> bool:
     return bool(blender.run('result = bpy.app.is_job_running("RENDER")'))
 
 
-def wait_for_render(blender: BlenderSession, timeout: float = 60.0) -> None:
+def wait_for_render(blender: BlenderSession, timeout: float = 300.0) -> None:
     blender.wait_until(lambda: not is_rendering(blender), timeout, "the render's end")
 
 

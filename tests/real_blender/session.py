@@ -80,11 +80,11 @@ class BlenderSession:
         )
 
     def _tool(self, arguments: list[str]) -> subprocess.CompletedProcess[str]:
-        return self._machine.run(arguments, self._variables(), timeout=60.0)
+        return self._machine.run(arguments, self._variables(), timeout=300.0)
 
     # Driving.
 
-    def run(self, code: str, timeout: float = 60.0) -> Any:
+    def run(self, code: str, timeout: float = 300.0) -> Any:
         """Runs code in Blender's main thread (driver.py says what it has) and returns `result`."""
         self._count += 1
         request = self._folder / f"{self._count}.request"

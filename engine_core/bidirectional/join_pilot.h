@@ -1,7 +1,7 @@
 // A pilot that learns which light vertices are worth joining to paths from the camera.
 #pragma once
 
-#include "integrators/bidirectional_plan.h"
+#include "bidirectional/plan.h"
 
 namespace vernier {
 

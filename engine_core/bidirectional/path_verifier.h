@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "integrators/technique_set.h"
+#include "bidirectional/technique_set.h"
 #include "lights/emission_guide.h"
 #include "lights/light_sample.h"
 #include "paths/join_guide.h"

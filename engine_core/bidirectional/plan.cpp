@@ -1,14 +1,14 @@
-#include "integrators/bidirectional_plan.h"
+#include "bidirectional/plan.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-#include "integrators/emission_learning.h"
-#include "integrators/join_pilot.h"
-#include "integrators/light_vertices.h"
-#include "integrators/pilot.h"
+#include "bidirectional/emission_learning.h"
+#include "bidirectional/join_pilot.h"
+#include "bidirectional/light_vertices.h"
+#include "bidirectional/pilot_loop.h"
 #include "math/parallel.h"
 
 namespace vernier {

@@ -1,4 +1,4 @@
-#include "integrators/join_pilot.h"
+#include "bidirectional/join_pilot.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "integrators/pilot.h"
-#include "integrators/shared_paths.h"
+#include "bidirectional/pilot_loop.h"
+#include "bidirectional/shared_paths.h"
 #include "math/parallel.h"
 
 namespace vernier {

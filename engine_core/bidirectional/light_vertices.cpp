@@ -1,4 +1,4 @@
-#include "integrators/light_vertices.h"
+#include "bidirectional/light_vertices.h"
 
 #include <algorithm>
 #include <cmath>

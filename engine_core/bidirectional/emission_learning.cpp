@@ -1,4 +1,4 @@
-#include "integrators/emission_learning.h"
+#include "bidirectional/emission_learning.h"
 
 #include <algorithm>
 #include <cmath>

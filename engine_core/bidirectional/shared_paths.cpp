@@ -1,10 +1,10 @@
-#include "integrators/shared_paths.h"
+#include "bidirectional/shared_paths.h"
 
 #include <algorithm>
 #include <bit>
 #include <numeric>
 
-#include "integrators/bidirectional_plan.h"
+#include "bidirectional/plan.h"
 #include "paths/light_walk.h"
 
 namespace vernier {

@@ -10,14 +10,14 @@
 
 #include <cmath>
 
-#include "integrators/bidirectional_plan.h"
+#include "bidirectional/light_vertices.h"
+#include "bidirectional/plan.h"
+#include "bidirectional/shared_paths.h"
+#include "bidirectional/technique_set.h"
 #include "integrators/camera_film.h"
 #include "integrators/camera_loop.h"
 #include "integrators/filtered_splats.h"
-#include "integrators/light_vertices.h"
 #include "integrators/met_lights.h"
-#include "integrators/shared_paths.h"
-#include "integrators/technique_set.h"
 #include "lights/light_sampler.h"
 #include "paths/light_walk.h"
 #include "paths/visibility.h"
@@ -345,4 +345,4 @@ class BidirectionalTracer {
 
 }  // namespace vernier
 
-#include "integrators/bidirectional_joins.h"
+#include "bidirectional/joins.h"

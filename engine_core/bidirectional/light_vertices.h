@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "integrators/bidirectional_plan.h"
-#include "integrators/technique_set.h"
+#include "bidirectional/plan.h"
+#include "bidirectional/technique_set.h"
 #include "paths/mis.h"
 #include "sampling/sobol.h"
 #include "spatial/hash_grid.h"

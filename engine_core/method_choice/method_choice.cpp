@@ -1,4 +1,4 @@
-#include "pilot/method_choice.h"
+#include "method_choice/method_choice.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "accuracy/statement.h"
 #include "camera/camera.h"
-#include "pilot/candidates.h"
+#include "method_choice/candidates.h"
 #include "render/session.h"
 #include "scene/compile.h"
 

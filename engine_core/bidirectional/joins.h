@@ -1,10 +1,10 @@
 // How the tracer of bidirectional paths joins a light's sub-path: to the camera, and to the
-// vertices of the camera's; and how it merges them. Part of bidirectional_tracer.h.
+// vertices of the camera's; and how it merges them. Part of tracer.h.
 #pragma once
 
 #include <bit>
 
-#include "integrators/bidirectional_tracer.h"
+#include "bidirectional/tracer.h"
 
 namespace vernier {
 

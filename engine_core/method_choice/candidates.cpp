@@ -1,8 +1,8 @@
-#include "pilot/candidates.h"
+#include "method_choice/candidates.h"
 
 #include <array>
 
-#include "integrators/technique_set.h"
+#include "bidirectional/technique_set.h"
 
 namespace vernier {
 namespace {

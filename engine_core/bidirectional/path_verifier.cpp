@@ -1,4 +1,4 @@
-#include "integrators/path_verifier.h"
+#include "bidirectional/path_verifier.h"
 
 #include <algorithm>
 #include <cmath>

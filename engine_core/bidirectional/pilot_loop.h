@@ -1,7 +1,7 @@
 // The loop over the samples of a pilot, which finds out about the scene before the first batch.
 #pragma once
 
-#include "integrators/bidirectional_tracer.h"
+#include "bidirectional/tracer.h"
 #include "math/float_environment.h"
 
 namespace vernier {

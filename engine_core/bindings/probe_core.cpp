@@ -65,6 +65,17 @@ Result camera_connections(nb::handle handle, const Rows3& points, const Rows2& u
   return table.release();
 }
 
+// Of points in camera space: the radius of the disk that a pixel covers there.
+Result camera_footprints(nb::handle handle, const Rows3& points) {
+  const auto scene = scene_of(handle);
+  const Camera& camera = *scene->camera;
+  const Table table(points.shape(0), 1);
+  for (size_t i = 0; i < table.rows(); ++i) {
+    *table.row(i) = camera.footprint(camera.position() + camera.from_camera(vec3(points, i)));
+  }
+  return table.release();
+}
+
 // The points of one dimension pair: a row per pixel and sample, pixels in rows of the frame.
 Result sobol_points(uint32_t width, uint32_t height, uint32_t samples, uint64_t seed,
                     uint32_t dimension) {
@@ -160,6 +171,7 @@ std::array<float, 3> accumulated(float value, uint32_t samples, uint64_t batches
 void bind_core_probes(nb::module_& m) {
   m.def("camera_rays", &camera_rays);
   m.def("camera_connections", &camera_connections);
+  m.def("camera_footprints", &camera_footprints);
   m.def("sobol_points", &sobol_points);
   m.def("filter_offsets", &filter_offsets);
   m.def("filter_densities", &filter_densities);

@@ -43,6 +43,9 @@ Camera::Camera(const CameraDesc& desc, const FilmDesc& film, const double origin
     lens_area_ = unit_area * square(desc.aperture_radius) / desc.aperture_ratio;
   }
   pixel_radius_ = 0.5f * std::sqrt(window_area_ / (width_ * height_));
+  const Vec2f corner{std::max(std::abs(w[0]), std::abs(w[1])),
+                     std::max(std::abs(w[2]), std::abs(w[3]))};
+  least_cosine_ = 1.0f / std::hypot(1.0f, corner.x, corner.y);
 }
 
 Vec2f Camera::raster_to_window(Vec2f raster) const {
@@ -188,8 +191,21 @@ std::optional<CameraConnection> Camera::connect(Vec3f p, Vec2f u_lens, float mar
   return c;
 }
 
+// Perspective: the pixel's part of the window, seen from here at an angle with the axis, has the
+// solid angle of its area times cos^3, and a disk's radius goes with the root of that. Pixels that
+// are wide beside the distance to the window cut what a cone of that slope cuts from a sphere.
 float Camera::footprint(Vec3f p) const {
-  return is_orthographic() ? pixel_radius_ : pixel_radius_ * length(p - position_);
+  if (is_orthographic()) {
+    return pixel_radius_;
+  }
+  const Vec3f d = p - position_;
+  const float distance = length(d);
+  if (!(distance > 0.0f)) {
+    return 0.0f;
+  }
+  const float cosine = std::max(dot(d, axis()) / distance, least_cosine_);
+  const float slope = pixel_radius_ * cosine * std::sqrt(cosine);
+  return distance * (slope / std::hypot(1.0f, slope));
 }
 
 }  // namespace vernier

@@ -57,7 +57,8 @@ class Camera {
   Vec3f axis() const { return -frame_.n; }
   Vec3f to_camera(Vec3f v) const { return frame_.to_local(v); }
   Vec3f from_camera(Vec3f v) const { return frame_.to_world(v); }
-  // Radius of the disk that one pixel covers at p, metres.
+  // Radius of the disk that one pixel covers at p, across the ray to it, metres: at most the
+  // distance. Out of the picture it is as in the corner farthest from the axis.
   float footprint(Vec3f p) const;
 
  private:
@@ -70,8 +71,9 @@ class Camera {
   Vec3f position_;
   float width_, height_;
   float window_area_;
-  float lens_area_;  // 1 for a pinhole
-  float pixel_radius_;
+  float lens_area_;     // 1 for a pinhole
+  float pixel_radius_;  // at the picture's centre, perspective: at distance 1
+  float least_cosine_;  // of a ray with the view axis: at the farthest corner
 };
 
 }  // namespace vernier

@@ -28,8 +28,8 @@ METHODS = {
     "LIGHT": Method(Needs.POLISHED | Needs.AIM | Needs.VIEW),
     "BDPT": Method(joins=True),
     # What it merges is blurred over the radius, which the few samples of a case leave large: some
-    # pixels' footprints, and so larger than the room where the view is widest.
-    "VCM": Method(Needs.AIM, bias=0.1, joins=True),
+    # pixels' footprints.
+    "VCM": Method(bias=0.1, joins=True),
     "SPPM": Method(Needs.AIM, bias=0.15),
     "PHOTON": Method(
         Needs.AIM,

@@ -161,6 +161,28 @@ def test_connections_agree_with_rays(name: str, rng: np.random.Generator) -> Non
         assert rows[found, 7] * rows[found, 8] == pytest.approx(back[:, 9] * solid, rel=2e-3)
 
 
+@pytest.mark.parametrize("fov", [1.0, 60.0, 170.0, 179.9])
+def test_footprints_are_of_the_pixels_solid_angle(fov: float, rng: np.random.Generator) -> None:
+    """Half as wide as the pixel appears, and never wider than its distance."""
+    scene = SceneBuilder((40, 30))
+    scene.camera((1, 2, 3), (0, 0.5, 0), fov=fov)
+    compiled = engine_core.compile(scene.description)
+    raster = (rng.random((500, 2)) * [40, 30]).astype(np.float32)
+    rays = probe.camera_rays(compiled, raster, rng.random((500, 2), np.float32)).astype(float)
+    solid_angle = 1 / (rays[:, 8] * 40 * 30)
+    distance = 10.0 ** rng.uniform(-3, 3, 500)
+    points = (distance[:, None] * rays[:, 3:6]).astype(np.float32)
+    found = probe.camera_footprints(compiled, points)[:, 0]
+    slope = np.sqrt(solid_angle) / 2
+    assert found / distance == pytest.approx(slope / np.hypot(1, slope), rel=2e-3)
+    # Behind, and beside the picture: what the pixels in its corner are.
+    corner = probe.camera_rays(compiled, np.zeros((1, 2), np.float32), np.zeros((1, 2), np.float32))
+    slope = np.sqrt(1 / (float(corner[0, 8]) * 40 * 30)) / 2
+    outside = np.array([[0, 0, 5], [3, 0, 4], [0, -5, 1e-6], [0, 0, 0]], np.float32)
+    expected = [5 * slope / np.hypot(1, slope)] * 3 + [0]
+    assert probe.camera_footprints(compiled, outside)[:, 0] == pytest.approx(expected, rel=2e-3)
+
+
 @pytest.mark.parametrize("name", ["thin lens", "blades", "orthographic lens"])
 def test_connection_density(name: str, rng: np.random.Generator) -> None:
     """Densities of lens points, per solid angle at the point, integrate to 1 over the lens."""

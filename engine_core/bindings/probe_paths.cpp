@@ -101,6 +101,62 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
   return result;
 }
 
+// Follows the camera's rays as far as they go straight on.
+struct SightVisitor {
+  const Scene& scene;
+  PathVertex last{};
+  float sharpest = kInfinity;
+
+  bool segment(const Walk&, const Ray&, bool) { return true; }
+  PathVertex& vertex() { return last; }
+  bool arrive(const Walk&, const PathVertex& v) {
+    const bool reached =
+        !v.traits->path_dependent &&
+        (scene.instances[v.point.instance].visibility & kVisibleScattered) == kVisibleScattered;
+    sharpest = std::min(sharpest, reached ? v.bsdf.sharpest_glossy() : 0.0f);
+    return true;
+  }
+  void pass(const PathVertex&) {}
+  void leave(const PathVertex&, const BsdfSample&) {}
+};
+
+// Of each pixel of the film, (y, x), the least squared roughness of what `samples` of its rays see
+// first: 0 where a part of it is a perfect mirror or glass, or cannot be reached by paths from
+// lights, and so nothing of it can be splatted; infinite where all is diffuse.
+std::vector<std::vector<float>> sharpest_seen(nb::handle handle, uint32_t samples) {
+  const auto scene = scene_of(handle);
+  Settings settings;
+  settings.roulette_threshold = 0.0;
+  const PixelFilter2d filter(scene->film.filter, scene->film.filter_width);
+  const std::atomic<bool> cancelled{false};
+  uint64_t rays = 0;
+  const auto& crop = scene->film.crop;
+  std::vector<std::vector<float>> rows;
+  for (int y = crop[1]; y < crop[3]; ++y) {
+    std::vector<float>& row = rows.emplace_back();
+    for (int x = crop[0]; x < crop[2]; ++x) {
+      SightVisitor visitor{*scene};
+      for (uint32_t i = 0; i < samples; ++i) {
+        const SobolSampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), i,
+                                   static_cast<int>(std::bit_width(samples - 1u)), 0);
+        const Vec2f offset = filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
+        Walk walk;
+        walk.most_bounces = 0;
+        walk.ray = scene->camera
+                       ->generate_ray({static_cast<float>(x) + 0.5f + offset.x,
+                                       static_cast<float>(y) + 0.5f + offset.y},
+                                      sampler.get_2d(dimension(CameraDim::kLens)))
+                       .ray;
+        random_walk(WalkContext<>{*scene, sampler, cancelled, BounceLimits(settings),
+                                  Roulette(settings), rays},
+                    walk, visitor);
+      }
+      row.push_back(visitor.sharpest);
+    }
+  }
+  return rows;
+}
+
 // Rows (u_select, u_position, u_direction) into rows of the density with which a ray was made, over
 // area across it and solid angle, by its own sample and as the density of any such ray: equal, or
 // both 0 where the sample has no radiance.
@@ -152,6 +208,7 @@ std::array<std::vector<double>, 2> mis_weights(const std::vector<std::array<doub
 void bind_paths_probes(nb::module_& m) {
   m.def("verify_paths", &verify_paths, nb::arg("scene"), nb::arg("settings"), nb::arg("samples"),
         nb::arg("tolerance"), nb::arg("pilot"));
+  m.def("sharpest_seen", &sharpest_seen, nb::arg("scene"), nb::arg("samples"));
   m.def("emission_ray_densities", &emission_ray_densities);
   m.def("mis_weights", &mis_weights);
 }

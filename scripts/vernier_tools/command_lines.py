@@ -26,6 +26,8 @@ from vernier_tools.jobs import ENGINES, USUAL_ENGINES
 
 ROOT = Path(__file__).parents[2]
 BENCHMARK_PARTS = ("scenes", "rays", "sizes")
+#: The methods that go to the same picture.
+VERIFIED = ("path", "light", "bdpt", "pssmlt", "mmlt", "mlt", "vcm", "sppm", "photon")
 
 
 def default_cache() -> Path:
@@ -288,12 +290,60 @@ def tradeoff(arguments: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
+def verify(arguments: Sequence[str]) -> argparse.Namespace:
+    """Of scripts/verify."""
+    parser = Parser(
+        prog="scripts/verify",
+        description="Tests that all methods make the same pictures: renders each scene small by "
+        "each method, several times, and compares means and blocks of pixels with another method's "
+        "by Welch's test. Prints a table; ends with 1 where two differ. What rare bright values "
+        "carry is told to be undecided.",
+    )
+    parser.add_argument(
+        "scenes",
+        nargs="*",
+        type=blend_scene,
+        metavar="SCENE",
+        help="names in blend_scenes/, or paths (default: all of blend_scenes/)",
+    )
+    parser.add_argument(
+        "--methods",
+        type=names_of(VERIFIED),
+        default=VERIFIED,
+        metavar="METHOD,...",
+        help="default: " + ",".join(VERIFIED),
+    )
+    parser.add_argument("--samples", type=positive_int, default=32, help="of a picture (32)")
+    parser.add_argument("--pictures", type=positive_int, default=16, help="independent ones (16)")
+    parser.add_argument("--seed", type=positive_int, default=1, help="of the first picture (1)")
+    parser.add_argument("--block", type=positive_int, default=16, help="its side in pixels (16)")
+    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
+    parser.add_argument("--resolution", type=resolution, default=(64, 48), metavar="WxH")
+    parser.add_argument(
+        "--references", type=Path, default=default_cache(), metavar="DIR", help="keep them there"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("out", "verify"),
+        metavar="DIR",
+        help="where figures add up (default: %(default)s)",
+    )
+    options = parser.parse_args(arguments)
+    if options.pictures < 4:
+        parser.error("argument --pictures: a variance takes 4 at least")
+    options.scenes = options.scenes or sorted((ROOT / "blend_scenes").glob("*.blend"))
+    return options
+
+
 COMMANDS: dict[str, Callable[[Sequence[str]], argparse.Namespace]] = {
     "render": render,
     "compare": compare,
     "benchmark": benchmark,
     "extremes": extremes,
     "tradeoff": tradeoff,
+    "verify": verify,
 }
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
-from .settings import parameters
+from .settings import quality_names
 
 FOLDER = "vernier"  # within Blender's folders of presets
 
@@ -34,9 +34,7 @@ class VERNIER_OT_preset_add(AddPresetBase, bpy.types.Operator):  # noqa: N801
 
     @property
     def preset_values(self) -> list[str]:
-        """All settings but those that belong to a scene or a machine rather than to a quality."""
-        left_out = {"seed", "threads"}
-        return [f"settings.{p.name}" for p in parameters() if p.name not in left_out]
+        return [f"settings.{name}" for name in quality_names()]
 
 
 _classes = (VERNIER_PT_presets, VERNIER_OT_preset_add)

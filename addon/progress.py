@@ -33,8 +33,8 @@ class ProgressLines:
         now = time.monotonic()
         if self._wanted and now >= self._next:
             self._next = now + _LINE_SECONDS
-            left = f" | Remaining:{_clock(progress.seconds_left)}"
-            self._write(progress, left if math.isfinite(progress.seconds_left) else "")
+            known = math.isfinite(progress.seconds_left)
+            self._write(progress, f" | Remaining:{_clock(progress.seconds_left)}" if known else "")
 
     def end(self, progress: Any) -> None:
         if self._wanted:

@@ -69,6 +69,18 @@ def max_of(name: str) -> int:
     return next(int(p.max) for p in parameters() if p.name == name)
 
 
+def quality_names() -> list[str]:
+    """The settings that belong to a quality rather than to a scene, a film or a machine: what
+    presets are about."""
+    return [p.name for p in parameters() if not p.of_film and p.name not in {"seed", "threads"}]
+
+
+def _reset_quality(settings: Any) -> None:
+    """Sets what presets are about to its defaults."""
+    for name in quality_names():
+        settings.property_unset(name)
+
+
 def _property(parameter: Any) -> Any:
     """The Blender property of one parameter."""
     texts = {"name": parameter.label, "description": parameter.description}
@@ -120,7 +132,11 @@ def register() -> None:
     scene_settings = type(
         "VernierSceneSettings",
         (bpy.types.PropertyGroup,),
-        {"__doc__": "The engine's settings of a scene.", "__annotations__": rows},
+        {
+            "__doc__": "The engine's settings of a scene.",
+            "__annotations__": rows,
+            "reset_quality": _reset_quality,
+        },
     )
     _classes[:] = [scene_settings, VernierViewLayerSettings]
     for item in _classes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -235,8 +236,6 @@ def test_cancel_keeps_what_there_is(lit: Any) -> None:
 
 
 def test_stats_line() -> None:
-    from types import SimpleNamespace
-
     progress = SimpleNamespace(
         samples=12.0, samples_target=64, seconds_left=75.4, error=0.0213, ending=""
     )
@@ -246,3 +245,18 @@ def test_stats_line() -> None:
     progress.ending, progress.error = "", float("inf")
     assert progress_module.stats_line(progress) == "Sample 12/64"
     assert progress_module.duration(3723.0) == "1:02:03"
+
+
+@pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="this Blender writes such lines itself")
+def test_lines_of_a_render_whose_end_is_unknown(
+    empty_scene: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress_module, "is_background_render", lambda: True)
+    progress = SimpleNamespace(
+        samples=0.0, samples_target=8, seconds_left=float("inf"), error=float("inf"), ending=""
+    )
+    progress_module.ProgressLines(empty_scene, "Layer").show(progress)
+    assert "Remaining" not in capsys.readouterr().out
+    progress.seconds_left = 3723.5
+    progress_module.ProgressLines(empty_scene, "Layer").show(progress)
+    assert "| Remaining:1:02:03.50 |" in capsys.readouterr().out

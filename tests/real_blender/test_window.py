@@ -201,13 +201,11 @@ for folder in folders:
             filepath=os.path.join(folder, name), menu_idname="VERNIER_PT_presets"
         )
         settings = bpy.context.scene.vernier
-        methods = settings.bl_rna.properties["integrator"].enum_items.keys()
-        result[name[:-3]] = [settings.samples, settings.integrator, "BDPT" in methods]
+        result[name[:-3]] = [settings.samples, settings.integrator]
 """
     )
     assert set(found) == {"Preview", "Production", "Caustics", "Reference"}
     samples = [found[name][0] for name in ("Preview", "Production", "Caustics", "Reference")]
     assert samples == sorted(set(samples))
-    _, method, has_bidirectional = found["Caustics"]
-    assert method == ("BDPT" if has_bidirectional else "PATH")
-    assert found["Reference"][1] == "PATH"
+    methods = [found[name][1] for name in ("Preview", "Production", "Caustics", "Reference")]
+    assert methods == ["AUTO", "AUTO", "VCM", "BDPT"]

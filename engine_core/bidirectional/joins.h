@@ -174,14 +174,15 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
             facing * dot(v.point.ng, y.wi) > 0.0f &&
             walk.depth.total + y.bounces < walks_.limits.total &&
             techniques_.show(y.bounces + 2, walk.depth.total + 2)) {
-          merge(walk, v, y, density);
+          merge(walk, v, y, position, density);
         }
       });
 }
 
 template <BidirectionalFeatures F, class Observer, class Sampler>
 void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const PathVertex& v,
-                                                      const LightVertex& y, float density) {
+                                                      const LightVertex& y, Vec3f position,
+                                                      float density) {
   const BsdfEval eval = scatter_eval(scene_, v, y.wi);
   // Flux over area is radiance times the cosine with the surface as it is, whichever of the two.
   const float cosine = std::max(abs_cosine(v.point, y.wi), std::abs(dot(y.ng, y.wi)));
@@ -196,6 +197,7 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
       y.bounces + 2, walk.depth.total + 2, kNoIndex, nullptr, nullptr, &v, y.wi, 0.0f, others, c};
   path.merged = true;
   path.light_path = y.path;
+  path.light_end = position;
   add_reaching(walk, kLobeAny, walk.depth.total == 0 && y.bounces == 0, std::move(path));
 }
 

@@ -1,12 +1,14 @@
 #include "bidirectional/path_verifier.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 
 #include "camera/camera.h"
 #include "lights/light_sampler.h"
 #include "paths/bounce_limits.h"
+#include "paths/light_walk.h"
 #include "paths/visibility.h"
 
 namespace vernier {
@@ -14,6 +16,8 @@ namespace {
 
 // Cosines below this are mostly rounding.
 constexpr float kGrazing = 1e-5f;
+// Normals whose cosine is this close to 1 are one, but for rounding.
+constexpr float kFlat = 1e-6f;
 
 double share_of_frame(const FilmDesc& film) {
   return static_cast<double>(film.crop[2] - film.crop[0]) *
@@ -22,6 +26,24 @@ double share_of_frame(const FilmDesc& film) {
 }
 
 double largest(Color c) { return static_cast<double>(max_component(c)); }
+
+bool same(Vec3f a, Vec3f b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+// Finds the vertex at p of a path from a light.
+struct VertexFinder {
+  const Subpath& path;
+  Vec3f p;
+  int bounces;
+  uint32_t light = kNoIndex;
+  uint32_t number = kNoIndex;
+
+  void emitted(const EmissionSample& e) { light = e.light; }
+  void reached(const Walk& walk, const PathVertex& v) {
+    if (walk.depth.total == bounces && same(v.point.p, p)) {
+      number = static_cast<uint32_t>(&v - path.data());
+    }
+  }
+};
 
 }  // namespace
 
@@ -48,8 +70,8 @@ struct PathVerifier::End {
 };
 
 PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
-                           const BidirectionalMemory& memory, double tolerance, double merge_area,
-                           const JoinGuide* joins)
+                           const BidirectionalMemory& memory, double tolerance,
+                           const LightVertices* merged_with, const JoinGuide* joins)
     : scene_(scene),
       techniques_(settings, scene.requirements),
       heuristic_(techniques_.heuristic(settings)),
@@ -58,7 +80,8 @@ PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const E
       memory_(memory),
       tolerance_(tolerance),
       light_share_(share_of_frame(scene.film)),
-      merge_area_(merge_area),
+      settings_(settings),
+      merged_with_(merged_with),
       joins_(joins) {}
 
 // Meets the vertex anew from both sides.
@@ -108,6 +131,28 @@ void PathVerifier::see(Vertex& v, bool scatters_by_chance) const {
   }
 }
 
+// Makes the light's sub-path of a merge again. The merge is told its light, and what comes before
+// the vertex that was merged; that vertex is returned, or null.
+const PathVertex* PathVerifier::trace_again(FoundPath& merge) {
+  const std::atomic<bool> cancelled{false};
+  const SobolSampler numbers = merged_with_->sampler(merge.light_path);
+  uint64_t rays = 0, non_finite = 0;
+  light_again_.clear();
+  VertexFinder finder{light_again_, merge.light_end, merge.s - 2};
+  walk_from_light({scene_, guide_, heuristic_, merged_with_->area()},
+                  WalkContext<SobolSampler>{scene_, numbers, cancelled, BounceLimits(settings_),
+                                            Roulette(settings_), rays},
+                  light_again_, non_finite, finder);
+  if (finder.number == kNoIndex) {
+    return nullptr;
+  }
+  const PathVertex& end = light_again_[finder.number];
+  merge.light = finder.light;
+  merge.y_path = light_again_.data();
+  merge.y = end.parent == kNoIndex ? nullptr : light_again_.data() + end.parent;
+  return &end;
+}
+
 std::vector<PathVerifier::Vertex> PathVerifier::vertices_of(const FoundPath& found) const {
   std::vector<Vertex> vertices;
   const auto follow = [&](const PathVertex* path, const PathVertex* v, bool by_camera) {
@@ -138,7 +183,8 @@ std::vector<PathVerifier::Vertex> PathVerifier::vertices_of(const FoundPath& fou
       v.to_camera = i > from_camera ? -vertices[i - 1].made->point.wo
                                     : (from_camera > 0 ? -found.wi : found.wi);
     }
-    const bool joined = v.by_camera ? found.s > 0 && i + 1 == from_camera : i == from_camera;
+    const bool joined =
+        v.by_camera ? found.s > 0 && i + 1 == from_camera : i == from_camera && !found.merged;
     see(v, !joined);
   }
   return vertices;
@@ -241,8 +287,8 @@ void PathVerifier::compare(const FoundPath& found, PathCheck check, double a, do
   if (!(deviation <= result.worst)) {
     result.worst = std::isfinite(deviation) ? deviation : static_cast<double>(kInfinity);
     char text[160];
-    std::snprintf(text, sizeof(text), "(%d, %d) of light %d: %.9g against %.9g", found.s, found.t,
-                  static_cast<int>(found.light), a, b);
+    std::snprintf(text, sizeof(text), "(%d, %d)%s of light %d: %.9g against %.9g", found.s, found.t,
+                  found.merged ? " merged" : "", static_cast<int>(found.light), a, b);
     result.worst_path = text;
   }
 }
@@ -269,8 +315,7 @@ void PathVerifier::compare_scattering(const FoundPath& found, const Vertex& v) {
 // The contribution is the product of what scatters and shines over the technique's density. That
 // is of areas: the geometric factors and the camera's importance stand beside it.
 void PathVerifier::compare_throughput(const FoundPath& found, const std::vector<Vertex>& vertices,
-                                      const Path& path, const End& end,
-                                      const std::vector<double>& log_pdfs) {
+                                      const Path& path, const End& end, double log_pdf) {
   std::array<double, 3> product;
   for (int c = 0; c < 3; ++c) {
     product[static_cast<size_t>(c)] = static_cast<double>(end.radiance[c]);
@@ -287,25 +332,24 @@ void PathVerifier::compare_throughput(const FoundPath& found, const std::vector<
       log_geometry += std::log(v.refraction);
     }
     if (i > 0) {
-      const Vec3f d = v.made->point.p - vertices[i - 1].made->point.p;
+      const Vec3f d = path.surfaces[i].p - path.surfaces[i - 1].p;
       log_geometry += std::log(static_cast<double>(abs_cosine(v.near_camera, v.to_camera))) -
                       2.0 * std::log(static_cast<double>(length(d)));
     }
   }
-  const double expected = *std::max_element(product.begin(), product.end()) *
-                          std::exp(log_geometry - log_pdfs[static_cast<size_t>(found.s)]);
+  const double expected =
+      *std::max_element(product.begin(), product.end()) * std::exp(log_geometry - log_pdf);
   compare(found, PathCheck::kThroughput,
           largest(found.contribution) * (1.0 + found.others) / found.share, expected, true);
 }
 
-void PathVerifier::found(const FoundPath& found) {
-  if (is_black(found.contribution)) {
+void PathVerifier::found(const FoundPath& as_found) {
+  if (is_black(as_found.contribution)) {
     return;  // joined, but something is in between
   }
-  if (found.merged) {
-    return;
-  }
-  ++report_.techniques[{found.s, found.t}];
+  FoundPath found = as_found;
+  ++(found.merged ? report_.merges : report_.techniques)[{found.s, found.t}];
+  const PathVertex* light_end = found.merged ? trace_again(found) : nullptr;
   const std::vector<Vertex> vertices = vertices_of(found);
   if (vertices.empty() || found.light == kNoIndex) {
     // No other technique knows it.
@@ -313,7 +357,24 @@ void PathVerifier::found(const FoundPath& found) {
     return;
   }
   const LightSampler& lights = *scene_.lights;
-  const Vertex& last = vertices.back();
+  // The last surface, as the light meets it.
+  Vertex there;
+  Vec3f moved;  // the light's sub-path of a merge
+  if (light_end != nullptr) {
+    const Vertex& z = vertices[static_cast<size_t>(found.t) - 2];
+    there.made = light_end;
+    there.to_camera = z.to_camera;
+    there.to_light = found.wi;
+    see(there, false);
+    moved = z.made->point.p - light_end->point.p;
+    const float turned = std::abs(dot(there.near_light.ng, z.near_light.ng));
+    if (!(turned > 1.0f - kFlat) || light_end->point.instance != z.made->point.instance ||
+        merge_scale(*light_end) != merge_scale(*z.made)) {
+      ++report_.uneven;
+      return;
+    }
+  }
+  const Vertex& last = light_end != nullptr && found.s == 2 ? there : vertices.back();
   End end;
   const bool grazing = std::any_of(vertices.begin(), vertices.end(), [](const Vertex& v) {
     return abs_cosine(v.near_camera, v.to_camera) < kGrazing ||
@@ -336,7 +397,7 @@ void PathVerifier::found(const FoundPath& found) {
     const Vertex& v = vertices[i];
     const uint32_t visibility = scene_.instances[v.made->point.instance].visibility;
     PathSurface s;
-    s.p = v.made->point.p;
+    s.p = v.by_camera ? v.made->point.p : v.made->point.p + moved;
     s.ng = v.near_camera.ng;
     s.pdf_to_light = v.pdf_to_light;
     s.pdf_to_camera = v.pdf_to_camera;
@@ -345,10 +406,11 @@ void PathVerifier::found(const FoundPath& found) {
                       !scene_.materials[v.made->point.material]->traits().path_dependent &&
                       (visibility & kVisibleScattered) == kVisibleScattered;
     s.camera_sees = (visibility & kVisibleCamera) != 0;
-    s.light_crosses =
-        i == 0 ? crossed_by_light(v, nullptr, 0.0f) : crossed_by_light(vertices[i - 1], &v, 0.0f);
-    if (v.made->bsdf.connectible()) {
-      s.merge_area = merge_area_ * square(static_cast<double>(merge_scale(*v.made)));
+    const bool by_merge = i > 0 && !v.by_camera && vertices[i - 1].by_camera && found.merged;
+    s.light_crosses = i == 0 ? crossed_by_light(v, nullptr, 0.0f)
+                             : crossed_by_light(by_merge ? there : vertices[i - 1], &v, 0.0f);
+    if (merged_with_ != nullptr && v.made->bsdf.connectible()) {
+      s.merge_area = merged_with_->area() * square(static_cast<double>(merge_scale(*v.made)));
     }
     s.joins = joins_ != nullptr && i > 0 ? joins_->joins(s.p, path.surfaces[i - 1].p) : 1.0;
     path.surfaces.push_back(s);
@@ -376,14 +438,19 @@ void PathVerifier::found(const FoundPath& found) {
     compare(found, PathCheck::kDensity, std::log(vertices[i].made->mis.pdf),
             vertices[i].by_camera ? own.log_camera[i] : own.log_light[i], false);
   }
+  size_t technique = static_cast<size_t>(found.s);
+  if (light_end != nullptr) {
+    const size_t merged = static_cast<size_t>(found.t) - 2;
+    technique = path.length() + merged;
+    compare(found, PathCheck::kDensity, std::log(light_end->mis.pdf), own.log_light[merged], false);
+  }
   if (end.restricted || !techniques_.weighted) {
     return;
   }
   const std::vector<double> log_pdfs = technique_log_pdfs(path);
   const std::vector<double> weights = technique_weights(log_pdfs, power_);
   const std::vector<double> recursive = recursive_weights(path, heuristic_);
-  compare(found, PathCheck::kWeight, techniques_.weight(found.others),
-          weights[static_cast<size_t>(found.s)], false);
+  compare(found, PathCheck::kWeight, techniques_.weight(found.others), weights[technique], false);
   double sum = 0.0;
   for (size_t s = 0; s < weights.size(); ++s) {
     compare(found, PathCheck::kRecursion, recursive[s], weights[s], false);
@@ -392,7 +459,7 @@ void PathVerifier::found(const FoundPath& found) {
   compare(found, PathCheck::kSum, sum, 1.0, false);
   if (straight && !scene_.requirements.transparent_shadows &&
       !scene_.requirements.hidden_from_rays) {
-    compare_throughput(found, vertices, path, end, log_pdfs);
+    compare_throughput(found, vertices, path, end, log_pdfs[technique]);
   }
 }
 

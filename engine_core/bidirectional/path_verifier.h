@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bidirectional/light_vertices.h"
 #include "bidirectional/technique_set.h"
 #include "lights/emission_guide.h"
 #include "lights/light_sample.h"
@@ -41,6 +42,10 @@ struct PathReport {
   };
   std::array<Check, static_cast<size_t>(PathCheck::kCount)> checks;
   std::map<std::pair<int, int>, uint64_t> techniques;  // paths found by (s, t)
+  std::map<std::pair<int, int>, uint64_t> merges;      // likewise, of s + t - 1 vertices
+  // Of these such as have no weights that could sum to 1: the surface is not the same at the two
+  // places that were merged, or curved between them.
+  uint64_t uneven = 0;
   // Paths along surfaces, or whose end on the light could not be met again: on rims, by rounding.
   uint64_t unseen = 0;
 };
@@ -50,11 +55,12 @@ struct PathReport {
 // and where lights reach some lobes only, which also have no weights that could sum to 1.
 class PathVerifier {
  public:
-  // `merge_area`: LightVertices::area() where sub-paths are merged. Merges themselves are left to
-  // the other techniques' weights: they have no one vertex where the sub-paths meet.
+  // `merged_with`: of sub-paths that are merged, the light's; null: none are. A merge is the path
+  // that it stands for: the light's sub-path, made again by its number, moved as a whole so that it
+  // ends where the camera's does.
   PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
-               const BidirectionalMemory& memory, double tolerance, double merge_area,
-               const JoinGuide* joins);
+               const BidirectionalMemory& memory, double tolerance,
+               const LightVertices* merged_with, const JoinGuide* joins);
 
   void emitted(const EmissionSample&) {}
   void found(const FoundPath& found);
@@ -65,6 +71,7 @@ class PathVerifier {
   struct Vertex;
   struct End;
 
+  const PathVertex* trace_again(FoundPath& merge);
   std::vector<Vertex> vertices_of(const FoundPath& found) const;
   bool meet_light(const FoundPath& found, const Vertex& last, End& end) const;
   Receiver receiver_at(const Vertex& v) const;
@@ -72,7 +79,7 @@ class PathVerifier {
   void compare(const FoundPath& found, PathCheck check, double a, double b, bool relative);
   void compare_scattering(const FoundPath& found, const Vertex& v);
   void compare_throughput(const FoundPath& found, const std::vector<Vertex>& vertices,
-                          const Path& path, const End& end, const std::vector<double>& log_pdfs);
+                          const Path& path, const End& end, double log_pdf);
   bool crossed_by_light(const Vertex& from, const Vertex* to, float distance) const;
 
   const Scene& scene_;
@@ -83,7 +90,9 @@ class PathVerifier {
   const BidirectionalMemory& memory_;
   const double tolerance_;
   const double light_share_;
-  const double merge_area_;
+  const Settings& settings_;
+  const LightVertices* merged_with_;
+  Subpath light_again_;     // of the path that was merged
   const JoinGuide* joins_;  // null: light paths are not shared
   PathReport report_;
 };

@@ -75,7 +75,8 @@ struct FoundPath {
   Vec2f raster = {};   // t = 1: where it was splatted, pixels of the full frame
   double share = 1;    // of what the technique's density says, that it counts: see SharedPaths
   bool merged = false;
-  uint32_t light_path = kNoIndex;  // merged: which of the batch
+  uint32_t light_path = kNoIndex;  // merged: which of the batch...
+  Vec3f light_end = {};            // ...and where that one's vertex lies
 };
 
 // An observer that looks away.

@@ -278,7 +278,8 @@ class BidirectionalTracer {
   void connect_all(const Walk& walk, const PathVertex& v);
   void connect(const Walk& walk, const PathVertex& v, const SharedPaths::Choice& choice, Vec2f u);
   void merge(const Walk& walk, const PathVertex& v);
-  void merge(const Walk& walk, const PathVertex& v, const LightVertex& y, float density);
+  void merge(const Walk& walk, const PathVertex& v, const LightVertex& y, Vec3f position,
+             float density);
 
   // Light that reaches vertex z of the path from wi, through the lobes of `mask`.
   void add_reaching(const Walk& walk, uint8_t mask, bool direct, FoundPath&& path) {

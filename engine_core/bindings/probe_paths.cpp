@@ -57,7 +57,7 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
   }
   context.light_pass = &vertices;
   PathVerifier verifier(*scene, settings, plan.guide, memory, tolerance,
-                        merges ? vertices.area() : 0.0, shares ? &plan.joins : nullptr);
+                        merges ? &vertices : nullptr, shares ? &plan.joins : nullptr);
   NoPassSample passes;
   const auto trace = [&](const CameraRay& ray, const SobolSampler& sampler) {
     if (merges) {
@@ -91,11 +91,16 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
     result[kPathCheckNames[i]] =
         nb::make_tuple(check.count, check.failures, check.worst, check.worst_path);
   }
-  nb::dict techniques;
-  for (const auto& [technique, count] : report.techniques) {
-    techniques[nb::make_tuple(technique.first, technique.second)] = count;
-  }
-  result["techniques"] = techniques;
+  const auto counts = [](const std::map<std::pair<int, int>, uint64_t>& of) {
+    nb::dict by_technique;
+    for (const auto& [technique, count] : of) {
+      by_technique[nb::make_tuple(technique.first, technique.second)] = count;
+    }
+    return by_technique;
+  };
+  result["techniques"] = counts(report.techniques);
+  result["merges"] = counts(report.merges);
+  result["uneven"] = report.uneven;
   result["unseen"] = report.unseen;
   result["non_finite"] = stats.non_finite;
   return result;

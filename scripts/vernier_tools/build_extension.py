@@ -76,9 +76,8 @@ def build_core_wheels(wheels: Path, legacy_python: Path) -> None:
     current.say("building the wheels of the core")
     with tempfile.TemporaryDirectory(prefix="vernier-wheels-") as scratch:
         current.build_wheel(Path(scratch), [])
-        legacy.build_wheel(
-            Path(scratch), [f"cmake.define.VERNIER_CORE_FROM={current.build_folder}"]
-        )
+        *_, compiled_in = current.core_stamp()
+        legacy.build_wheel(Path(scratch), [f"cmake.define.VERNIER_CORE_FROM={compiled_in}"])
         built = sorted(Path(scratch).glob("*.whl"))
         tags = {name_of(wheel).python for wheel in built}
         if tags != {"cp311", "cp312"}:

@@ -19,7 +19,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from vernier_tools.errors import ToolError, report
@@ -74,12 +74,15 @@ class Environment:
         return self.root / "build" / self.folder.name.lstrip(".")
 
     @contextmanager
-    def locked(self) -> Iterator[None]:
+    def locked(self, wait: bool = True) -> Iterator[None]:
+        """Keeps other calls out; raises BlockingIOError when one is in and this is not to wait."""
         lock = self.folder.with_name(self.folder.name + ".lock")
         with open(lock, "w") as file:
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
+                if not wait:
+                    raise
                 self.say("waiting for another call that prepares the environment")
                 fcntl.flock(file, fcntl.LOCK_EX)
             yield
@@ -136,17 +139,43 @@ class Environment:
             self.pip(["install", *tools], "installing build tools")
 
     def build_core(self) -> None:
-        stamp = self.folder / "core.stamp"
         state = source_hash(self.root)
-        if stamp.exists() and stamp.read_text() == state:
+        if self.core_stamp()[:1] == [state]:
             return
-        stamp.unlink(missing_ok=True)
+        self.stamp.unlink(missing_ok=True)
         compiler = find_compiler(self.folder)
         self.say(f"building the core with {compiler}")
         start = time.monotonic()
-        self.run_backend(["install", "--force-reinstall"], compiler)
-        stamp.write_text(state)
+        with ExitStack() as held:
+            shared = self.shared_core([state, compiler], held)
+            option = f"--config-settings=cmake.define.VERNIER_CORE_FROM={shared or ''}"
+            self.run_backend(["install", "--force-reinstall", option], compiler)
+        self.stamp.write_text(f"{state}\n{compiler}\n{shared or self.build_folder}\n")
         self.say(f"built in {time.monotonic() - start:.0f} s")
+
+    @property
+    def stamp(self) -> Path:
+        return self.folder / "core.stamp"
+
+    def core_stamp(self) -> list[str]:
+        """Of the core that is installed: the digest of its sources, the compiler, and the build
+        folder whose libraries it was linked from. Empty when there is none."""
+        return self.stamp.read_text().splitlines() if self.stamp.exists() else []
+
+    def shared_core(self, wanted: list[str], held: ExitStack) -> Path | None:
+        """The build folder of the project's environment for another Python, where that has compiled
+        the wanted sources by the wanted compiler, and nobody is at work there, nor will be while
+        `held` is open: the core knows nothing of Python, so its libraries need only be linked.
+        """
+        for stamp in sorted(self.root.glob(".venv*/core.stamp")):
+            other = Environment(self.root, stamp.parent, self.command)
+            try:
+                held.enter_context(other.locked(wait=False))  # which is also busy when it is this
+            except BlockingIOError:
+                continue
+            if other.core_stamp() == [*wanted, str(other.build_folder)]:
+                return other.build_folder
+        return None
 
     def build_wheel(self, into: Path, options: list[str]) -> None:
         """Builds the core's wheel for this environment's Python into the folder `into`.

@@ -40,6 +40,7 @@ def build_wheel(folder, config_settings=None, metadata_directory=None):
         sys.exit("source.cpp:7:3: error: expected ';' before '}' token")
     with open("builds", "a") as file:
         file.write("x")
+    pathlib.Path("linked").write_text(config_settings["cmake.define.VERNIER_CORE_FROM"])
     name = "stand_in-1-py3-none-any.whl"
     info = "stand_in-1.dist-info/"
     with zipfile.ZipFile(pathlib.Path(folder, name), "w") as wheel:
@@ -144,6 +145,37 @@ def test_calls_at_the_same_time_build_once(tmp_path: Path) -> None:
     assert [process.returncode for process in running] == [0, 0, 0], outputs
     assert [out for out, _ in outputs] == [b"1\n"] * 3
     assert builds(tmp_path) == 1
+
+
+def test_a_core_compiled_for_another_python_is_linked(project: Path) -> None:
+    """Its sources and compiler being the same, and nobody at work there."""
+    write_source(project, "value = 20")
+    assert prepare(project).returncode == 0
+    mine = environment.Environment(project, next(project.glob(".venv*/")), "x")
+    state, compiler, folder = mine.core_stamp()
+    assert folder == str(mine.build_folder)
+    assert (project / "linked").read_text() == ""
+
+    other = environment.Environment(project, project / ".venv-other", "x")
+    other.folder.mkdir()
+    for compiled, linked in (
+        ([state, compiler, other.build_folder], str(other.build_folder)),
+        (["older", compiler, other.build_folder], ""),
+        ([state, "another", other.build_folder], ""),
+        ([state, compiler, mine.build_folder], ""),
+    ):
+        other.stamp.write_text("".join(f"{text}\n" for text in compiled))
+        mine.stamp.unlink()
+        assert prepare(project).returncode == 0
+        assert (project / "linked").read_text() == linked
+        assert mine.core_stamp() == [state, compiler, linked or str(mine.build_folder)]
+
+    other.stamp.write_text(f"{state}\n{compiler}\n{other.build_folder}\n")
+    mine.stamp.unlink()
+    with other.locked():
+        assert prepare(project).returncode == 0
+    assert (project / "linked").read_text() == ""
+    shutil.rmtree(other.folder)
 
 
 def test_a_failed_build_names_the_error_and_is_tried_again(project: Path) -> None:

@@ -24,6 +24,15 @@ struct PhotonFeatures {
   bool transparent;  // shadows may pass surfaces
 };
 
+// The roulette of the camera's paths. What a floor reflects stands beside photons that are smooth
+// from the first sample on, and a path that is ended there is a dark speck. Such paths end where
+// photons are gathered; so only those are ended before that carry a small part of what others may.
+inline Roulette eye_roulette(const Settings& settings) {
+  constexpr double kPart = 0.04;
+  return {settings, static_cast<float>(kPart * settings.roulette_threshold),
+          settings.roulette_start};
+}
+
 // A vertex that gathers: what estimators of its photons' light are told.
 struct GatherPoint {
   const PathVertex& v;
@@ -65,7 +74,7 @@ class PhotonTracer {
                sampler,
                context.cancelled,
                BounceLimits(context.settings),
-               Roulette(context.settings),
+               eye_roulette(context.settings),
                stats.rays},
         film_(context.scene, passes),
         passes_(passes),

@@ -8,13 +8,18 @@
 
 #include "bindings/bind.h"
 #include "bindings/table.h"
-#include "photons/photon_walk.h"
+#include "math/float_environment.h"
+#include "math/parallel.h"
+#include "photons/photon_pass.h"
 #include "photons/radius.h"
 
 namespace nb = nanobind;
 
 namespace vernier {
 namespace {
+
+constexpr uint8_t kAllKinds = kind_bit(PhotonKind::kDirect) | kind_bit(PhotonKind::kCaustic) |
+                              kind_bit(PhotonKind::kIndirect);
 
 // Traces `paths` photons by the lights' power. A dictionary of the tally's sums, and of rows of
 // (position in the world, power, kind, bounces) of all photons that lie on surfaces.
@@ -27,11 +32,9 @@ nb::dict trace_photons(nb::handle handle, const std::map<std::string, SettingVal
   const RenderContext context{*scene, settings, filter, cancelled};
   RenderStats stats;
   PhotonChunk chunk;
-  constexpr uint8_t kAll = kind_bit(PhotonKind::kDirect) | kind_bit(PhotonKind::kCaustic) |
-                           kind_bit(PhotonKind::kIndirect);
   for (uint32_t i = 0; i < paths; ++i) {
     trace_photon(context, scene->lights->guide_by_power(), seed, i,
-                 static_cast<int>(std::bit_width(paths - 1u)), kAll, chunk, stats,
+                 static_cast<int>(std::bit_width(paths - 1u)), kAllKinds, chunk, stats,
                  [](const EmissionSample&, const PhotonVisitor&) {});
   }
   const Table table(chunk.photons.size(), 8);
@@ -55,11 +58,41 @@ nb::dict trace_photons(nb::handle handle, const std::map<std::string, SettingVal
   return result;
 }
 
+// Makes a map of all photons of `paths` paths by the lights' power, on the settings' threads. A
+// dictionary of its number of photons, of paths and of bytes.
+nb::dict build_photon_map(nb::handle handle, const std::map<std::string, SettingValue>& values,
+                          uint64_t paths, uint64_t seed) {
+  const auto scene = scene_of(handle);
+  const Settings settings = make_settings(values);
+  const PixelFilter2d filter(scene->film.filter, scene->film.filter_width);
+  const std::atomic<bool> cancelled{false};
+  const RenderContext context{*scene, settings, filter, cancelled};
+  PhotonOrder order;
+  order.guide = &scene->lights->guide_by_power();
+  order.kinds = kAllKinds;
+  order.paths = order.most_paths = paths;
+  PhotonPass pass({order}, Batch{.seed = seed});
+  for (int stage = 0; stage < pass.stages(); ++stage) {
+    std::vector<RenderStats> stats(pass.jobs(stage));
+    parallel_for(stats.size(), settings.threads, [&](size_t job) {
+      const FlushDenormals flush;
+      pass.run(stage, job, context, stats[job]);
+    });
+  }
+  nb::dict result;
+  result["photons"] = pass.map(0).size();
+  result["paths"] = pass.map(0).tally().paths;
+  result["memory"] = pass.map(0).memory();
+  return result;
+}
+
 }  // namespace
 
 void bind_photons_probes(nb::module_& m) {
   m.def("trace_photons", &trace_photons, nb::arg("scene"), nb::arg("settings"), nb::arg("paths"),
         nb::arg("seed"));
+  m.def("build_photon_map", &build_photon_map, nb::arg("scene"), nb::arg("settings"),
+        nb::arg("paths"), nb::arg("seed"));
   m.def("progressive_radius", &progressive_radius);
 }
 

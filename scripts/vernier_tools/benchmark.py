@@ -122,6 +122,19 @@ def measure_rays(options: argparse.Namespace, scene: Path) -> Figures:
     return {"scene": scene.stem, **asdict(rate)}
 
 
+def measure_photons(options: argparse.Namespace, scene: Path) -> Figures:
+    """What a million photons cost beside a million camera paths. Raises ToolError."""
+    say(f"{scene.stem}: photons")
+    job = replace(
+        scene_job(options, scene),
+        engine="vernier",
+        time=0.0,
+        samples=1,
+        photons=round(options.photons * 1e6),
+    )
+    return {"scene": scene.stem, **asdict(jobs.run_photon_rate(job))}
+
+
 def measure_size(options: argparse.Namespace, triangles: float, instanced: bool) -> Figures:
     """Preparation and memory of each engine on one generated scene: medians over the repeats."""
     spec = jobs.GeneratedScene(round(triangles), instanced)
@@ -170,11 +183,13 @@ def benchmark(options: argparse.Namespace) -> Figures:
         "reference_seconds": options.reference_time,
         "scenes": [],
         "rays": [],
+        "photons": [],
         "sizes": [],
         "failures": [],
     }
     failures = results["failures"]
-    for part, measure in (("scenes", measure_scene), ("rays", measure_rays)):
+    by_scene = {"scenes": measure_scene, "rays": measure_rays, "photons": measure_photons}
+    for part, measure in by_scene.items():
         for scene in options.scenes if part in options.parts else ():
             results[part] += attempt(scene.stem, partial(measure, options, scene), failures)
             write(results, options.output)

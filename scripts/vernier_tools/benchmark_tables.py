@@ -20,6 +20,8 @@ def markdown(results: Figures) -> str:
         parts += ["## Scenes\n", scenes_note(results), scene_table(results["scenes"])]
     if results["rays"]:
         parts += ["## Rays\n", RAYS_NOTE, ray_table(results["rays"])]
+    if results["photons"]:
+        parts += ["## Photons\n", PHOTONS_NOTE, photon_table(results["photons"])]
     if results["sizes"]:
         parts += ["## Sizes\n", SIZES_NOTE, size_table(results["sizes"])]
     if results["failures"]:
@@ -30,6 +32,13 @@ def markdown(results: Figures) -> str:
 RAYS_NOTE = (
     "Million rays per second of processor time on one thread: of a render, and of Embree casting "
     "the same rays in the same order with nothing in between.\n"
+)
+
+
+PHOTONS_NOTE = (
+    "On one thread: seconds of processor time that a million photons take to be traced, stored and "
+    "indexed, and a million camera paths; bytes that a photon keeps; microseconds that the 50 "
+    "photons nearest to a point take, and SciPy's tree for the same points.\n"
 )
 
 
@@ -112,6 +121,23 @@ def ray_table(entries: Sequence[Figures]) -> str:
         shown = [f"{rate / 1e6:.2f}" for rate in rates]
         rows.append([entry["scene"], *shown, f"{rates[0] / rates[1]:.2f}"])
     return table(["scene", "Vernier Mrays/s", "Embree Mrays/s", "ratio"], rows)
+
+
+def photon_table(entries: Sequence[Figures]) -> str:
+    rows = [
+        [
+            entry["scene"],
+            f"{entry['photons']:,}",
+            f"{entry['bytes_of_photon']:.0f}",
+            f"{entry['map_seconds']:.2f}",
+            f"{entry['camera_seconds']:.2f}",
+            f"{entry['query_seconds'] * 1e6:.1f}",
+            f"{entry['scipy_seconds'] * 1e6:.1f}",
+        ]
+        for entry in entries
+    ]
+    head = ["scene", "photons", "bytes each", "a million, s", "camera paths, s"]
+    return table([*head, "nearest 50, µs", "SciPy, µs"], rows)
 
 
 def size_table(entries: Sequence[Figures]) -> str:

@@ -25,7 +25,8 @@ from vernier_tools.arguments import (
 from vernier_tools.jobs import ENGINES, USUAL_ENGINES
 
 ROOT = Path(__file__).parents[2]
-BENCHMARK_PARTS = ("scenes", "rays", "sizes")
+BENCHMARK_PARTS = ("scenes", "rays", "photons", "sizes")
+USUAL_PARTS = ("scenes", "rays", "sizes")
 #: The methods that go to the same picture.
 VERIFIED = ("path", "light", "bdpt", "pssmlt", "mmlt", "mlt", "vcm", "sppm", "photon")
 
@@ -159,7 +160,8 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
         description="Measures Vernier beside Cycles. Part scenes: samples per second of processor "
         "time, error at equal time, time to the first tile, memory. Part rays: Vernier's rays per "
         "second beside Embree's own, on the same rays. Part sizes: export, build and memory of "
-        "generated scenes. Each render has a process of its own, and the engines take turns.",
+        "generated scenes. Part photons, on demand: photon maps beside camera paths. Each render "
+        "has a process of its own, and the engines take turns.",
     )
     parser.add_argument(
         "--scenes",
@@ -171,9 +173,9 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--parts",
         type=names_of(BENCHMARK_PARTS),
-        default=BENCHMARK_PARTS,
+        default=USUAL_PARTS,
         metavar="PART,...",
-        help="default: " + ",".join(BENCHMARK_PARTS),
+        help="default: " + ",".join(USUAL_PARTS),
     )
     parser.add_argument("--time", type=positive_float, default=8.0, help="seconds a render (8)")
     parser.add_argument("--repeats", type=positive_int, default=3, help="renders an engine (3)")
@@ -200,6 +202,13 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
         default=[1.0, 4.0, 16.0],
         metavar="N,...",
         help="sizes of the generated scenes, in millions (1,4,16)",
+    )
+    parser.add_argument(
+        "--photons",
+        type=positive_float,
+        default=1.0,
+        metavar="N",
+        help="of the photon maps that are measured, in millions (1)",
     )
     parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
     parser.add_argument(

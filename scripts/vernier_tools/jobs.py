@@ -65,6 +65,7 @@ class Job:
     view: bool = False
     settings: dict[str, object] = field(default_factory=dict)
     generated: GeneratedScene | None = None
+    photons: int = 0
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,21 @@ class RayRate:
     bare: float
 
 
+@dataclass(frozen=True)
+class PhotonRate:
+    """Processor seconds on one thread: of a million photons traced, stored and indexed, and of a
+    million camera paths; of the 50 nearest photons of one point, and of SciPy's answer to the same.
+    """
+
+    photons: int
+    paths: int
+    bytes_of_photon: float
+    map_seconds: float
+    camera_seconds: float
+    query_seconds: float
+    scipy_seconds: float
+
+
 def run(job: Job, timeout: float | None = None) -> Outcome:
     """Runs the job in a process of its own. Raises ToolError when it fails or takes too long."""
     return outcome_from_json(answer_of("worker", job, timeout))
@@ -127,6 +143,11 @@ def run(job: Job, timeout: float | None = None) -> Outcome:
 def run_ray_rate(job: Job, timeout: float | None = None) -> RayRate:
     """Measures Vernier's rate of rays on the job's scene. Raises ToolError."""
     return RayRate(**answer_of("ray_rate", job, timeout))
+
+
+def run_photon_rate(job: Job, timeout: float | None = None) -> PhotonRate:
+    """Measures photons of the job's scene. Raises ToolError."""
+    return PhotonRate(**answer_of("photon_rate", job, timeout))
 
 
 def answer_of(module: str, job: Job, timeout: float | None) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from vernier_tools import engines, generated_scenes, outputs
 from vernier_tools.blend_file import open_blend, require_camera
 from vernier_tools.capture import Capture
 from vernier_tools.errors import ToolError
-from vernier_tools.jobs import Job, Outcome, RayRate, job_from_json
+from vernier_tools.jobs import Job, Outcome, PhotonRate, RayRate, job_from_json
 from vernier_tools.measure import render_measured
 
 
@@ -68,7 +68,7 @@ def count_triangles() -> int:
     return count
 
 
-def answer(work: Callable[[Job, Capture], Outcome | RayRate]) -> None:
+def answer(work: Callable[[Job, Capture], Outcome | RayRate | PhotonRate]) -> None:
     """Does the job of the first file named on the command line, writes the second, and ends.
 
     The last line of an unsuccessful process's standard error is the reason.

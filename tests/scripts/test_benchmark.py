@@ -44,6 +44,18 @@ def results(engines: list[str]) -> dict[str, object]:
         "reference_seconds": 60,
         "scenes": [entry(engines)],
         "rays": [{"scene": "box", "rays": 7, "rendered": 3e6, "bare": 4e6}],
+        "photons": [
+            {
+                "scene": "box",
+                "photons": 1_000_123,
+                "paths": 300_000,
+                "bytes_of_photon": 40.6,
+                "map_seconds": 0.8,
+                "camera_seconds": 1.6,
+                "query_seconds": 9e-6,
+                "scipy_seconds": 3e-5,
+            }
+        ],
         "sizes": [entry(engines)],
         "failures": ["pool: it rained"],
     }
@@ -53,6 +65,7 @@ def test_tables_show_ratios_of_vernier_over_cycles() -> None:
     text = benchmark_tables.markdown(results(["vernier", "cycles"]))
     assert "| box | 1,234 | 8x6 | 2.000 | 1.000 | 2.00 | 0.01 | 0.02 | 0.50 |" in text
     assert "| box | 3.00 | 4.00 | 0.75 |" in text
+    assert "| box | 1,000,123 | 41 | 0.80 | 1.60 | 9.0 | 30.0 |" in text
     assert "pool: it rained" in text
     for block in text.split("\n\n"):
         if block.startswith("|"):
@@ -125,7 +138,7 @@ def test_a_short_run_writes_its_results_and_keeps_references(tool: Tool, tmp_pat
     ("arguments", "message"),
     [
         (["--scenes", "nowhere"], "nowhere: no such file"),
-        (["--parts", "all"], "--parts: 'all': choose from scenes, rays, sizes"),
+        (["--parts", "all"], "--parts: 'all': choose from scenes, rays, photons, sizes"),
         (["--triangles", "many"], "--triangles: 'many' is not a positive number"),
     ],
 )

@@ -8,6 +8,8 @@ import math
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from vernier_tools.errors import ToolError, report
@@ -19,17 +21,38 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "manual"
 COMMAND = "scripts/build_manual"
 
-# The manual's pictures: scene, method, seconds.
+
+@dataclass(frozen=True)
+class Picture:
+    scene: str
+    method: str
+    seconds: float = 60.0
+    #: What the file's name tells besides, and the settings that it stands for.
+    kind: str = ""
+    settings: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return "_".join(filter(None, (self.scene, self.method, self.kind)))
+
+
+FEW, MANY = 1_000, 200_000
 PICTURES = (
-    ("cornell_box", "path", 60.0),
-    ("textured_room", "path", 90.0),
-    ("caustics", "path", 60.0),
-    ("caustics", "bdpt", 60.0),
-    ("lamp_interior", "path", 60.0),
-    ("lamp_interior", "bdpt", 60.0),
-    ("pool", "bdpt", 60.0),
-    ("pool", "vcm", 60.0),
-)
+    Picture("cornell_box", "path"),
+    Picture("textured_room", "path", 90.0),
+    Picture("caustics", "path"),
+    Picture("caustics", "bdpt"),
+    Picture("lamp_interior", "path"),
+    Picture("lamp_interior", "bdpt"),
+    Picture("pool", "bdpt"),
+    Picture("pool", "vcm"),
+    *(
+        Picture("caustics", "photon", 40.0, kind,
+                (f"global_photons={photons}", f"caustic_photons={photons}"))
+        for kind, photons in (("few", FEW), ("many", MANY))
+    ),
+    Picture("caustics", "photon", 20.0, "shown", ("photon_view=CAUSTIC", "caustic_photons=20000")),
+)  # fmt: skip
 PICTURE_SIZE = "480x300"
 
 # The measured trade: scenes and methods at equal time, against long renders by the last method.
@@ -38,24 +61,49 @@ METHODS = ("path", "light", "bdpt")
 MEASURED_SIZE = "240x150"
 
 
-def render(scene: str, method: str, target: Path, size: str, seconds: float, seed: int = 0) -> None:
+def render(
+    scene: str,
+    method: str,
+    target: Path,
+    size: str,
+    seconds: float,
+    seed: int = 0,
+    settings: tuple[str, ...] = (),
+) -> None:
     """Renders one scene in a process of its own. Raises ToolError."""
     command = [sys.executable, "-m", "vernier_tools.render"]
     command += [str(ROOT / "blend_scenes" / f"{scene}.blend"), "-o", str(target)]
     command += ["--integrator", method, "--time", str(seconds), "--resolution", size]
     command += ["--seed", str(seed)]
+    for setting in settings:
+        command += ["--set", setting]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise ToolError(f"{scene} by {method}: {done.stderr.strip()[-300:]}")
 
 
-def write_pictures(share: float) -> None:
+def write_pictures(pictures: Iterable[Picture], share: float) -> None:
     folder = FOLDER / "pictures"
     folder.mkdir(exist_ok=True)
-    for scene, method, seconds in PICTURES:
-        say(f"picture of {scene} by {method}")
-        target = folder / f"{scene}_{method}.jpg"
-        render(scene, method, target, PICTURE_SIZE, share * seconds)
+    for picture in pictures:
+        say(f"picture {picture.name}")
+        render(
+            picture.scene,
+            picture.method,
+            folder / f"{picture.name}.jpg",
+            PICTURE_SIZE,
+            share * picture.seconds,
+            settings=picture.settings,
+        )
+
+
+def pictures_named(text: str) -> list[Picture]:
+    known = {picture.name: picture for picture in PICTURES}
+    names = text.split(",")
+    for name in names:
+        if name not in known:
+            raise argparse.ArgumentTypeError(f"{name!r}: choose from {', '.join(known)}")
+    return [known[name] for name in names]
 
 
 def write_measurements(seconds: float, reference_seconds: float) -> None:
@@ -96,6 +144,12 @@ def say(text: str) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
     parser.add_argument("--tables", action="store_true", help="the tables only, at once")
+    parser.add_argument(
+        "--pictures",
+        type=pictures_named,
+        metavar="NAME,...",
+        help="the tables and these pictures only",
+    )
     parser.add_argument("--seconds", type=float, default=20.0, help="for each measured render (20)")
     parser.add_argument(
         "--reference-seconds", type=float, default=600.0, help="for each reference (600)"
@@ -108,8 +162,10 @@ def main() -> int:
         FOLDER.mkdir(parents=True, exist_ok=True)
         (FOLDER / "settings.md").write_text(settings_page())
         (FOLDER / "nodes.md").write_text(nodes_page())
-        if not options.tables:
-            write_pictures(options.picture_share)
+        if options.pictures:
+            write_pictures(options.pictures, options.picture_share)
+        elif not options.tables:
+            write_pictures(PICTURES, options.picture_share)
             write_measurements(options.seconds, options.reference_seconds)
     except ToolError as error:
         report(COMMAND, error)

@@ -27,6 +27,8 @@ struct Plan {
   virtual ~Plan() = default;
   // Empty, or why there is nothing to find: a sentence. The render then ends after two batches.
   virtual std::string nothing() const { return {}; }
+  // What the user should know of what was found, or not: a sentence each.
+  virtual std::vector<std::string> notes() const { return {}; }
 };
 
 struct LightPass;

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "bidirectional/emission_learning.h"
 #include "bidirectional/plan.h"
@@ -16,7 +17,7 @@ namespace {
 
 // Paths of a pilot: first so many, then ever twice as many until some are found that were looked
 // for, up to the bound that says that there are none.
-constexpr uint32_t kFirstPaths = 1u << 13, kMostPaths = 1u << 20;
+constexpr uint32_t kFirstPaths = 1u << 13, kMostPaths = 1u << 18;
 // What is found in fewer paths than these is not known well enough.
 constexpr uint64_t kEnough = 64;
 // A map takes no more paths than these for each photon that is asked for.
@@ -117,6 +118,25 @@ PhotonOrder order_of(const EmissionGuide& guide, uint8_t kinds, int least, const
   return order;
 }
 
+// What the user should know of a map of `least` photons that was ordered so; empty: it will hold
+// them. `kept`: which photons it keeps.
+std::string shortage_of(const std::string& map, const std::string& kept, uint64_t found, int least,
+                        const Findings& pilot, const PhotonOrder& order) {
+  const std::string paths = std::to_string(pilot.paths);
+  if (found == 0) {
+    return "No " + map + " map: none of " + paths + " paths from the lights left a photon " + kept;
+  }
+  const double expected = static_cast<double>(order.most_paths) * static_cast<double>(found) /
+                          static_cast<double>(pilot.paths);
+  if (!(expected < static_cast<double>(least))) {
+    return {};
+  }
+  return "The " + map + " map will hold about " + std::to_string(std::llround(expected)) + " of " +
+         std::to_string(least) + " photons: " + std::to_string(found) + " of " + paths +
+         " paths from the lights left one " + kept + ", and no more than " +
+         std::to_string(kPathsOfPhoton) + " paths are followed for each that is asked for";
+}
+
 void add_stats(const Findings& found, RenderStats& stats) {
   stats.rays += found.stats.rays;
   stats.non_finite += found.stats.non_finite;
@@ -161,6 +181,11 @@ std::unique_ptr<const Plan> make_photon_map_plan(const RenderContext& context, u
   const auto global_kinds = static_cast<uint8_t>(kinds & ~caustic);
   const bool caustics =
       (kinds & caustic) != 0 && scene.requirements.caustics && settings.caustic_photons > 0;
+  const auto tell = [&](std::string note) {
+    if (!note.empty() && !context.cancelled) {
+      plan->shortages.push_back(std::move(note));
+    }
+  };
   int maps = 0;
   if (global_kinds != 0 && settings.global_photons > 0) {
     const Findings pilot = run_pilot(context, plan->guide, seed, global_kinds,
@@ -170,6 +195,10 @@ std::unique_ptr<const Plan> make_photon_map_plan(const RenderContext& context, u
       plan->global = order_of(plan->guide, global_kinds, settings.global_photons, pilot);
       plan->global_map = maps++;
     }
+    tell(shortage_of("global",
+                     photons_are_direct(settings) ? "on a surface that scatters"
+                                                  : "that one matte surface had sent to another",
+                     pilot.count(global_kinds), settings.global_photons, pilot, plan->global));
   }
   if (caustics) {
     // Jensen's projection maps (2001, section 5.2): where paths meet specular surfaces first.
@@ -187,6 +216,8 @@ std::unique_ptr<const Plan> make_photon_map_plan(const RenderContext& context, u
       plan->caustics = order_of(plan->caustic_guide, caustic, settings.caustic_photons, aimed);
       plan->caustic_map = maps++;
     }
+    tell(shortage_of("caustic", "that glossy or clear surfaces alone had sent to a matte one",
+                     aimed.count(caustic), settings.caustic_photons, aimed, plan->caustics));
   }
   return plan;
 }

@@ -15,6 +15,9 @@ struct PhotonPlan : Plan {
   EmissionGuide caustic_guide;  // of those that are to find specular surfaces
   PhotonOrder global, caustics;
   int global_map = -1, caustic_map = -1;  // their numbers among the orders; -1: there is none
+  std::vector<std::string> shortages;     // what the maps lack
+
+  std::vector<std::string> notes() const override { return shortages; }
 
   std::vector<PhotonOrder> orders() const {
     std::vector<PhotonOrder> result;
@@ -44,7 +47,8 @@ std::unique_ptr<const Plan> make_photon_map_plan(const RenderContext& context, u
 // What the user should know that photons leave out.
 std::vector<std::string> describe_photon_limits(const Settings& settings,
                                                 const Requirements& requirements);
-// Which of the two maps the scene and the settings do without.
+// Which of the two maps the scene and the settings do without. What a pilot finds besides, the plan
+// tells.
 std::vector<std::string> describe_photon_maps(const Settings& settings,
                                               const Requirements& requirements);
 

@@ -240,15 +240,18 @@ double Session::elapsed() const {
 }
 
 void Session::heed(const Plan& plan) {
-  const std::string nothing = plan.nothing();
-  if (nothing.empty() || stopped_) {
+  if (stopped_) {
     return;
   }
-  constexpr uint64_t kForErrors = 2;
-  plan_.shorten(
-      std::min<uint64_t>(plan_.size(), std::max<uint64_t>(film_.least_batches(), kForErrors)));
+  std::vector<std::string> notes = plan.notes();
+  if (std::string nothing = plan.nothing(); !nothing.empty()) {
+    constexpr uint64_t kForErrors = 2;
+    plan_.shorten(
+        std::min<uint64_t>(plan_.size(), std::max<uint64_t>(film_.least_batches(), kForErrors)));
+    notes.push_back(std::move(nothing));
+  }
   const std::lock_guard lock(mutex_);
-  late_notes_.push_back(nothing);
+  late_notes_.insert(late_notes_.end(), notes.begin(), notes.end());
 }
 
 std::vector<std::string> Session::notes() const {

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 from agreement import assert_agreement
-from bidirectional_scenes import build
-from scenes import SceneBuilder, diffuse, picture, pictures, placed, quad
+from bidirectional_scenes import MATERIALS, build, constant_mix, glossy, matte
+from scenes import SceneBuilder, background, diffuse, picture, pictures, placed, quad
 from statistics_tools import Array
 
 import engine_core
@@ -110,6 +110,40 @@ def test_a_light_that_reaches_nothing(integrator: str) -> None:
     assert not shot.any()
 
 
+def test_all_photons_in_one_point() -> None:
+    """A beam of a thousandth of a degree: progressive mapping keeps its power, and nearest photons
+    that leave no area are finite."""
+    scene = SceneBuilder((16, 16))
+    scene.add(quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), diffuse(0.5))
+    scene.light("SPOT", transform=placed(1.0, (0.03, 0.02, 1e-3)), emission=(9.0, 9.0, 9.0),
+                spot_angle=2e-5)  # fmt: skip
+    scene.camera((0, -1e-3, 4), (0, 0, 0), fov=90, kind="ORTHOGRAPHIC")
+    compiled = engine_core.compile(scene.description, threads=1)
+    traced = probe.trace_photons(compiled, {}, 1000, 1)
+    places = traced["photons"][:, :3]
+    assert len(places) == 1000
+    assert np.ptp(places, axis=0).max() < 1e-7
+    seen = 0.5 / np.pi * traced["emitted"] / traced["paths"] / 2.0**2
+    options = {"photon_direct": "PHOTONS", "max_bounces": 1, "global_photons": 1000}
+    shot = picture(scene, integrator="SPPM", samples=64, photon_alpha=1.0, **options)
+    assert shot.mean() == pytest.approx(seen, rel=0.05)
+    for kernel in ("EPANECHNIKOV", "CONE", "CONSTANT"):
+        shot = picture(scene, integrator="PHOTON", samples=4, photon_kernel=kernel, **options)
+        assert np.isfinite(shot).all()
+        assert (shot >= 0).all()
+
+
+@pytest.mark.parametrize("integrator", METHODS)
+def test_what_a_floor_reflects_is_there_in_every_sample(integrator: str) -> None:
+    scene = SceneBuilder((8, 8))
+    floor = constant_mix(0.2, matte((0.0, 0.0, 0.0)), glossy(0.0, (1.0, 1.0, 1.0)))
+    scene.add(quad((-9, -9, 0), (18, 0, 0), (0, 18, 0)), floor)
+    scene.description.world = background(1.0)
+    scene.camera((0, -3, 3), (0, 0, 0))
+    shot = picture(scene, integrator=integrator, samples=1, global_photons=10, caustic_photons=10)
+    assert shot == pytest.approx(0.2, rel=1e-5)
+
+
 def notes(scene: SceneBuilder, **settings: Any) -> str:
     compiled = engine_core.compile(scene.description, threads=1)
     return "\n".join(engine_core.Session(compiled, settings, ["Combined"]).notes)
@@ -122,6 +156,33 @@ def test_only_the_maps_that_the_scene_requires() -> None:
     assert "No photon maps" in notes(clear, integrator="PHOTON", max_bounces=0)
     assert "No caustic map, as it is set" in notes(clear, integrator="PHOTON", caustic_photons=0)
     assert "limited in all" in notes(clear, integrator="SPPM", diffuse_bounces=2)
+
+
+def notes_of_render(scene: SceneBuilder, **settings: Any) -> str:
+    compiled = engine_core.compile(scene.description, threads=2)
+    session = engine_core.Session(compiled, {"samples": 1, **settings}, ["Combined"])
+    session.start()
+    while not session.wait(60.0):
+        pass
+    assert not session.error_message
+    return "\n".join(session.notes)
+
+
+def test_maps_that_pilots_find_no_photons_for() -> None:
+    """What no path of the pilot finds, and what would take too many, is told."""
+    behind = build("glass", "area")
+    behind.description.lights[-1].transform[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    told = notes_of_render(behind, integrator="PHOTON", max_bounces=2, global_photons=100)
+    assert "No caustic map: none of" in told
+    # A mirror that sends nearly all of the light past a small matte square.
+    scene = SceneBuilder((4, 4))
+    scene.add(quad((-1, -1, 0), (2, 0, 0), (0, 2, 0)), MATERIALS["mirror"])
+    scene.add(quad((3, 0, 3), (0.03, 0, 0), (0, 0.03, 0)), diffuse(0.5))
+    scene.light("POINT", transform=placed(1.0, (0, 0, 1)), emission=(9.0, 9.0, 9.0))
+    scene.camera((0, -4, 2), (0, 0, 0))
+    told = notes_of_render(scene, integrator="PHOTON", caustic_photons=1000)
+    assert "The caustic map will hold about" in told
+    assert "of 1000 photons" in told
 
 
 @pytest.mark.parametrize("alpha", [0.3, 2 / 3, 1.0])

@@ -16,19 +16,21 @@ def register() -> None:
     if bpy.app.version < _OLDEST:
         oldest, here = (".".join(map(str, v[:2])) for v in (_OLDEST, bpy.app.version))
         raise RuntimeError(f"Vernier needs Blender {oldest} or later; this is {here}")
-    from . import engine, panels, preset_menu, settings
+    from . import denoising, engine, panels, preset_menu, settings
 
     settings.register()
     engine.register()
     preset_menu.register()
+    denoising.register()
     panels.register()
 
 
 def unregister() -> None:
     """Takes them back, in reverse order."""
-    from . import engine, panels, preset_menu, settings
+    from . import denoising, engine, panels, preset_menu, settings
 
     panels.unregister()
+    denoising.unregister()
     preset_menu.unregister()
     engine.unregister()
     settings.unregister()

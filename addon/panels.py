@@ -12,6 +12,7 @@ from bpy.types import Context, Panel
 from .core import CoreMissingError, core
 from .engine import VernierRenderEngine
 from .preset_menu import VERNIER_PT_presets
+from .record import last_modelled
 from .settings import parameters
 
 ENGINE = VernierRenderEngine.bl_idname
@@ -155,6 +156,27 @@ class VERNIER_RENDER_PT_missing(_Ours, Panel):  # noqa: N801 - Blender's naming 
                 self.layout.label(text=line, icon="ERROR")
 
 
+class VERNIER_RENDER_PT_modelled(_Ours, Panel):  # noqa: N801
+    """What the last render modelled, and what it could leave out."""
+
+    bl_label = "What Was Modelled"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+
+    def draw(self, context: Context) -> None:
+        modelled = last_modelled()
+        if modelled is None:
+            self.layout.label(text="Nothing has been rendered yet", icon="INFO")
+            return
+        for title, statements in (("", modelled.present), ("Left out", modelled.left_out)):
+            column = self.layout.column(align=True)
+            if title:
+                column.label(text=title)
+            for statement in statements:
+                for line in textwrap.wrap(statement, 50):
+                    column.label(text=line, icon="CHECKMARK" if not title else "REMOVE")
+
+
 class VERNIER_VIEWLAYER_PT_passes(_Ours, Panel):  # noqa: N801
     """The passes that are supported."""
 
@@ -178,6 +200,7 @@ class VERNIER_VIEWLAYER_PT_passes(_Ours, Panel):  # noqa: N801
         column = layout.column(heading="Measurement", align=True)
         for name in ("error", "sample_count", "denoising"):
             column.prop(layer.vernier, f"use_pass_{name}")
+        layout.operator("render.vernier_denoise")
 
 
 class VERNIER_OBJECT_PT_ray_visibility(_Ours, Panel):  # noqa: N801
@@ -234,6 +257,7 @@ class VERNIER_LIGHT_PT_beam(_Ours, Panel):  # noqa: N801
 
 _FIXED = (
     VERNIER_RENDER_PT_missing,
+    VERNIER_RENDER_PT_modelled,
     VERNIER_VIEWLAYER_PT_passes,
     VERNIER_OBJECT_PT_ray_visibility,
     VERNIER_WORLD_PT_preview,

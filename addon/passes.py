@@ -33,6 +33,9 @@ _FLAGS = {
     "Error": "vernier.use_pass_error",
 }
 
+#: Passes that are worked out when they are read: no sums are kept for them.
+DERIVED_PASSES = ("Debug Sample Count", "Error")
+
 
 @dataclass(frozen=True)
 class RenderPass:

@@ -62,7 +62,8 @@ def _clock(seconds: float) -> str:
 def show_progress(engine: bpy.types.RenderEngine, session: Any, with_error: bool) -> Any:
     """The stats line, the progress bar and the memory. The error costs a look at every pixel."""
     progress = session.poll(with_error)
-    engine.update_stats("", stats_line(progress))
+    trying = session.integrator == "AUTO"
+    engine.update_stats("", "Choosing the method" if trying else stats_line(progress))
     engine.update_progress(_fraction(progress))
     used, peak = memory_megabytes()
     engine.update_memory_stats(memory_used=used, memory_peak=peak)

@@ -16,7 +16,8 @@ from engine_core.description import SceneDescription
 
 from .checkpoint import Checkpoint
 from .core import core
-from .passes import RenderPass, wanted_passes
+from .modelled import Modelled, describe
+from .passes import DERIVED_PASSES, RenderPass, known_passes, wanted_passes
 from .progress import ProgressLines, show_progress
 from .record import RenderRecord, tell
 from .settings import film_settings, render_settings
@@ -93,8 +94,6 @@ class FinalRender:
         session = self._session(compiled, values, [item.name for item in passes], checkpoint)
         messages = [*messages, *compiled.warnings, *session.notes]
         self._report(messages)
-        if session.choice and not engine.is_preview:
-            engine.report({"INFO"}, session.choice)
         x0, y0, x1, y1 = description.film.crop
         picture = _Picture(engine, layer.name, session, passes, x1 - x0, y1 - y0)
         self._lines = ProgressLines(scene, layer.name)
@@ -112,7 +111,13 @@ class FinalRender:
             times = (called, described, built, picture.first_shown, ended)
             tell(
                 RenderRecord(
-                    layer.name, progress, tuple(messages), session.threads, session.choice, *times
+                    layer.name,
+                    progress,
+                    tuple(messages),
+                    session.threads,
+                    session.choice,
+                    _modelled(compiled, passes),
+                    *times,
                 )
             )
 
@@ -141,11 +146,8 @@ class FinalRender:
         checkpoint: Checkpoint,
     ) -> Any:
         module = core()
-        if values["integrator"] == "AUTO":
-            if self._engine.is_preview:
-                values["integrator"] = "PATH"
-            else:
-                self._engine.update_stats("", "Choosing the method")
+        if values["integrator"] == "AUTO" and self._engine.is_preview:
+            values["integrator"] = "PATH"
         return self._apart(
             lambda stop: module.Session(
                 compiled, values, passes, resume=checkpoint.resume, digest=checkpoint.digest
@@ -178,17 +180,25 @@ class FinalRender:
             raise errors[0]
         return results[0]
 
+    def _tell_choice(self, session: Any) -> bool:
+        """Reports why Auto chose its method; False while it has not."""
+        choice: str = session.choice
+        if choice and not self._engine.is_preview:
+            self._engine.report({"INFO"}, choice)
+        return bool(choice)
+
     def _render(self, session: Any, picture: _Picture) -> Any:
         engine = self._engine
         session.start()
         show_progress(engine, session, with_error=False)
-        cancelled = False
+        cancelled = chosen = False
         next_stats = 0.0
         while not session.wait(POLL_SECONDS):
             if engine.test_break():
                 cancelled = True
                 session.cancel()
                 break
+            chosen = chosen or self._tell_choice(session)
             now = time.perf_counter()
             if now >= next_stats:
                 self._lines.show(show_progress(engine, session, with_error=True))
@@ -199,6 +209,7 @@ class FinalRender:
             self._checkpoint.save_when_due()
         while not session.wait(POLL_SECONDS):
             pass
+        chosen = chosen or self._tell_choice(session)
         progress = show_progress(engine, session, with_error=not cancelled)
         self._lines.end(progress)
         picture.show_all(final=True)
@@ -206,6 +217,13 @@ class FinalRender:
         if session.error_message and not cancelled:
             raise ValueError(session.error_message)
         return progress
+
+
+def _modelled(compiled: Any, passes: list[RenderPass]) -> Modelled:
+    names = [item.name for item in passes]
+    stored = [item for item in known_passes() if item.name not in DERIVED_PASSES]
+    unused = sum(len(item.channels) for item in stored if item.name not in names)
+    return describe(compiled.requirements, unused, compiled.width * compiled.height, names)
 
 
 def _metadata(session: Any, progress: Any) -> dict[str, str]:

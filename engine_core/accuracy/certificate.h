@@ -24,7 +24,7 @@ struct Certificate {
   unsigned batches = 0;  // least number of any pixel
 };
 
-// `errors`: the error pass of `pixels`, whose mean luminance is `mean`. `look` counts from 1.
+// `errors`: picture_errors() of `pixels`, whose mean luminance is `mean`. `look` counts from 1.
 Certificate certify(std::span<const PixelEstimate> pixels, std::vector<float> errors, double mean,
                     unsigned batches, unsigned look);
 

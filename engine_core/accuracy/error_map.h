@@ -17,16 +17,14 @@
 //    their means, pooled over a wide neighbourhood, tells how much better.
 #pragma once
 
-#include <span>
 #include <vector>
 
-#include "accuracy/pixel_sums.h"
+#include "accuracy/neighbourhood.h"
 
 namespace vernier {
 
 // Half-widths of the 95 % confidence intervals of a picture's luminances, by row. Infinite where
 // nothing is known. `pixels` has width * height elements; `mean` is their mean luminance.
-std::vector<float> half_widths(std::span<const PixelEstimate> pixels, int width, int height,
-                               double mean);
+std::vector<float> half_widths(PixelEstimates pixels, int width, int height, double mean);
 
 }  // namespace vernier

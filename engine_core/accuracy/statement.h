@@ -1,9 +1,10 @@
 // The statement of a picture's accuracy: its one definition.
 //
-// A render is a sequence of batches; pixel_sums.h tells what one pixel's say of its error, and
-// error_map.h the half-widths of the 95 % confidence intervals that follow for all. A pixel's error
-// is its half-width relative to its value, or to 1 % of the picture's mean luminance where that is
-// more. A picture's error is the 95th percentile of its pixels' errors.
+// A render is a sequence of batches; pixel_sums.h tells what one pixel's say of its error. A
+// pixel's error is the half-width of its 95 % confidence interval relative to its value, or to 1 %
+// of the picture's mean luminance where that is more. A picture's error is the 95th percentile of
+// its pixels' errors. Both are estimates: error_map.h has that of each pixel, which is careful for
+// its own sake, and picture_error.h that of the picture, which knows more than any pixel does.
 #pragma once
 
 #include <vector>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accuracy/error_map.h"
+#include "accuracy/picture_error.h"
 #include "accuracy/statement.h"
 #include "bindings/bind.h"
 #include "render/batch_plan.h"
@@ -56,6 +57,18 @@ std::vector<float> error_map(const std::vector<std::array<double, 5>>& rows, int
   return half_widths(pixels, width, height, mean);
 }
 
+// From the same rows: the errors of all neighbourhoods, and the picture's.
+std::tuple<std::vector<float>, double> whole_picture(const std::vector<std::array<double, 5>>& rows,
+                                                     int width, int height, double mean) {
+  std::vector<PixelEstimate> pixels;
+  for (const auto& [mean, variance, net_gap, excess, steady] : rows) {
+    pixels.push_back({mean, variance, net_gap, excess, steady});
+  }
+  std::vector<float> errors = picture_errors(pixels, width, height, mean).errors;
+  const std::vector<float> kept = errors;
+  return {kept, picture_error(errors)};
+}
+
 }  // namespace
 
 void bind_accuracy_probes(nb::module_& m) {
@@ -63,6 +76,7 @@ void bind_accuracy_probes(nb::module_& m) {
   m.def("plan_batches", &planned_batches);
   m.def("pixel_estimate", &pixel_estimate);
   m.def("half_widths", &error_map);
+  m.def("picture_errors", &whole_picture);
   m.def("relative_error", &relative_error);
   m.def("picture_error", [](std::vector<float> errors) { return picture_error(errors); });
 }

@@ -74,6 +74,27 @@ nb::ndarray<nb::numpy, float> read(const Session& session, const std::string& na
       data, {static_cast<size_t>(height), static_cast<size_t>(width), channels}, owner);
 }
 
+nb::ndarray<nb::numpy, double> estimates(const Session& session) {
+  constexpr size_t kFields = 5;
+  const Film& film = session.film();
+  std::vector<PixelEstimate> pixels;
+  {
+    const nb::gil_scoped_release release;
+    pixels = film.estimates();
+  }
+  auto* data = new double[kFields * pixels.size()];
+  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+  double* out = data;
+  for (const PixelEstimate& p : pixels) {
+    for (const double value : {p.mean, p.variance, p.net_gap, p.excess, p.steady_variance}) {
+      *out++ = value;
+    }
+  }
+  return nb::ndarray<nb::numpy, double>(
+      data, {static_cast<size_t>(film.height()), static_cast<size_t>(film.width()), kFields},
+      owner);
+}
+
 }  // namespace
 
 void bind_session(nb::module_& m) {
@@ -103,7 +124,7 @@ void bind_session(nb::module_& m) {
             }
             const Settings values = make_settings(settings);
             const auto compiled = scene_of(scene);
-            const nb::gil_scoped_release release;  // Auto may try out methods
+            const nb::gil_scoped_release release;
             new (self) Session(compiled, values, set, give_way, {resume, digest});
           },
           nb::arg("scene"), nb::arg("settings"), nb::arg("passes"), nb::arg("give_way") = false,
@@ -132,11 +153,16 @@ void bind_session(nb::module_& m) {
           "Rectangles (x, y, width, height) that have changed since the last call.")
       .def("read", &read, nb::arg("name"), nb::arg("x"), nb::arg("y"), nb::arg("width"),
            nb::arg("height"), "The current estimate of a pass: (height, width, channels) float32.")
+      .def(
+          "estimates", &estimates,
+          "What each pixel knows by itself: (height, width, 5) float64 of mean, variance, net_gap, "
+          "excess and steady_variance (accuracy/pixel_sums.h).")
       .def_prop_ro("threads", &Session::thread_count)
       .def_prop_ro("notes", &Session::notes,
                    "What the integrator leaves out in this scene, a sentence each.")
       .def_prop_ro("choice", &Session::choice,
-                   "Why Auto chose the method that renders; empty where the settings name one.")
+                   "Why Auto chose the method that renders; empty where the settings name one, and "
+                   "while methods are tried.")
       .def_prop_ro(
           "integrator",
           [](const Session& s) { return integrator_identifier(static_cast<int>(s.integrator())); })

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <vector>
 
 #include "accuracy/statement.h"
@@ -26,6 +26,9 @@ constexpr double kCostOfAll = 6.0;
 constexpr int kEndless = 1 << 20;
 // A method that finds caustics is preferred while the pilot says that it takes no longer than this.
 constexpr double kRobustFactor = 1.25;
+// The same where pilots have fewer pixels than kSmallPilot, which may well have missed what
+// matters.
+constexpr double kRobustFactorOfSmall = 2.0, kSmallPilot = 40.0 * 40.0;
 constexpr int kBlock = 8;  // pixels a side: what is compared between methods
 constexpr double kTrim = 0.95;
 constexpr double kDeviations = 4.0;
@@ -38,7 +41,7 @@ struct Pilot {
   double mean = 0;  // luminance
   int width = 0, height = 0;
   std::vector<PixelEstimate> pixels;
-  std::vector<float> errors;
+  std::vector<float> variances;  // relative, of neighbourhoods (accuracy/picture_error.h)
 };
 
 // Sums of pixels within a block.
@@ -69,15 +72,14 @@ std::vector<Block> blocks(const Pilot& pilot) {
   return sums;
 }
 
-// Mean of all but the largest values: single pixels of a small picture decide nothing.
-double trimmed_mean(std::vector<double>& values) {
-  const auto kept = static_cast<size_t>(std::ceil(kTrim * static_cast<double>(values.size())));
-  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(kept) - 1, values.end());
-  double sum = 0.0;
-  for (size_t i = 0; i < kept; ++i) {
-    sum += values[i];
+// Mean of all but the largest values, up to this share.
+double mean_below(std::vector<float> values, double share) {
+  const auto kept = static_cast<ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())));
+  if (kept == 0) {
+    return 0.0;
   }
-  return kept > 0 ? sum / static_cast<double>(kept) : 0.0;
+  std::nth_element(values.begin(), values.begin() + kept - 1, values.end());
+  return std::accumulate(values.begin(), values.begin() + kept, 0.0) / static_cast<double>(kept);
 }
 
 // Squared relative light that `pilot` has not met and `other` has, beyond what noise explains.
@@ -97,16 +99,21 @@ double missed(const Pilot& pilot, const Pilot& other) {
   return squares.empty() ? 0.0 : sum / static_cast<double>(squares.size());
 }
 
-// Time to a relative error of 1, in units that all candidates share.
-double time_needed(const Pilot& pilot, const std::vector<Pilot>& all) {
-  std::vector<double> squares(pilot.errors.size());
-  std::transform(pilot.errors.begin(), pilot.errors.end(), squares.begin(),
-                 [](float e) { return static_cast<double>(e) * static_cast<double>(e); });
-  double square = trimmed_mean(squares), lack = 0.0;
+// Time to a relative standard deviation of 1, in units that all candidates share.
+struct Needed {
+  double usual =
+      0;  // without the largest variances: single pixels of a small picture decide little
+  double worst = 0;  // with them
+};
+
+Needed time_needed(const Pilot& pilot, const std::vector<Pilot>& all) {
+  double lack = 0.0;
   for (const Pilot& other : all) {
     lack = std::max(lack, missed(pilot, other));
   }
-  return pilot.cost * pilot.samples * (square + lack);
+  const double work = pilot.cost * pilot.samples;
+  return {work * (mean_below(pilot.variances, kTrim) + lack),
+          work * (mean_below(pilot.variances, 1.0) + lack)};
 }
 
 // Pixels that each candidate's picture may have.
@@ -120,7 +127,7 @@ double pilot_pixels(const Scene& scene, const Settings& settings) {
 }
 
 Pilot try_out(const Candidate& candidate, const std::shared_ptr<const Scene>& scene,
-              const Settings& given, double seconds, const std::atomic<bool>* cancelled) {
+              const Settings& given, double seconds, const std::atomic<bool>& cancelled) {
   Settings settings = given;
   settings.integrator = static_cast<int>(candidate.kind);
   settings.samples = kSamples;
@@ -130,7 +137,7 @@ Pilot try_out(const Candidate& candidate, const std::shared_ptr<const Scene>& sc
   session.start();
   constexpr double kPoll = 0.02;
   while (!session.wait(kPoll)) {
-    if (cancelled != nullptr && *cancelled) {
+    if (cancelled) {
       session.cancel();
     }
   }
@@ -141,7 +148,7 @@ Pilot try_out(const Candidate& candidate, const std::shared_ptr<const Scene>& sc
   pilot.height = session.film().height();
   pilot.samples = progress.samples;
   pilot.pixels = session.film().estimates();
-  pilot.errors = session.film().errors();
+  pilot.variances = session.film().picture_errors().variances;
   const double taken = progress.samples * static_cast<double>(pilot.pixels.size());
   pilot.cost =
       taken > 0.0 ? candidate.cost_per_ray * static_cast<double>(progress.rays) / taken : 0.0;
@@ -183,6 +190,26 @@ FilmDesc small_film(const FilmDesc& film, double pixels) {
   return small;
 }
 
+std::vector<const Candidate*> fitting_candidates(const Settings& settings,
+                                                 const Requirements& requirements) {
+  std::vector<const Candidate*> fitting;
+  for (const Candidate& c : candidates()) {
+    if (c.fits(settings, requirements)) {
+      fitting.push_back(&c);
+    }
+  }
+  return fitting;
+}
+
+MethodChoice chosen(const Candidate& candidate, const std::string& why) {
+  return {candidate.kind, capitalised(candidate.name) + ": " + why};
+}
+
+// What is known of a scene where nothing was tried.
+std::string untried(bool caustics) {
+  return caustics ? "the scene may have caustics" : "the scene has no caustics";
+}
+
 // The choice where nothing could be tried.
 const Candidate& robust(const std::vector<const Candidate*>& fitting, bool caustics) {
   for (const Candidate* c : fitting) {
@@ -207,65 +234,63 @@ std::string compare(const Pilot& best, double best_time, const std::vector<Pilot
 
 }  // namespace
 
-MethodChoice choose_method(const std::shared_ptr<const Scene>& scene, const Settings& settings,
-                           bool interactive, const std::atomic<bool>* cancelled) {
-  MethodChoice choice{settings, "", 0.0};
-  if (static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kAuto) {
-    return choice;
+std::optional<MethodChoice> choose_untried(const Scene& scene, const Settings& settings,
+                                           bool interactive) {
+  const auto named = static_cast<IntegratorKind>(settings.integrator);
+  if (named != IntegratorKind::kAuto) {
+    return MethodChoice{named, ""};
   }
-  const auto start = std::chrono::steady_clock::now();
-  std::vector<const Candidate*> fitting;
-  for (const Candidate& c : candidates()) {
-    if (c.fits(settings, scene->requirements)) {
-      fitting.push_back(&c);
-    }
-  }
-  const auto settle = [&](const Candidate& c, const std::string& why) {
-    choice.settings.integrator = static_cast<int>(c.kind);
-    choice.reason = capitalised(c.name) + ": " + why;
-    choice.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return choice;
-  };
+  const std::vector<const Candidate*> fitting = fitting_candidates(settings, scene.requirements);
   if (interactive) {
-    return settle(*fitting.front(), "the first picture comes soonest");
+    return chosen(*fitting.front(), "the first picture comes soonest");
   }
   if (fitting.size() == 1) {
-    return settle(*fitting.front(), "the only method for this scene");
+    return chosen(*fitting.front(), "the only method for this scene");
   }
+  if (pilot_pixels(scene, settings) < kLeastPixels) {
+    const bool caustics = scene.requirements.caustics;
+    return chosen(robust(fitting, caustics),
+                  untried(caustics) + ", and the render is too short to try others");
+  }
+  return std::nullopt;
+}
+
+MethodChoice choose_by_trial(const std::shared_ptr<const Scene>& scene, const Settings& settings,
+                             const std::atomic<bool>& cancelled) {
+  const std::vector<const Candidate*> fitting = fitting_candidates(settings, scene->requirements);
   const bool caustics = scene->requirements.caustics;
-  const std::string untried =
-      caustics ? "the scene may have caustics" : "the scene has no caustics";
-  const double pixels = pilot_pixels(*scene, settings);
-  if (pixels < kLeastPixels) {
-    return settle(robust(fitting, caustics),
-                  untried + ", and the render is too short to try others");
-  }
-  const auto small = with_view(scene, scene->camera->desc(), small_film(scene->film, pixels));
+  const auto small = with_view(scene, scene->camera->desc(),
+                               small_film(scene->film, pilot_pixels(*scene, settings)));
   const double seconds = settings.time_limit * kShare / static_cast<double>(fitting.size());
   std::vector<Pilot> pilots;
   for (const Candidate* c : fitting) {
     pilots.push_back(try_out(*c, small, settings, seconds, cancelled));
     if (pilots.back().samples < kLeastSamples) {
-      return settle(robust(fitting, caustics),
-                    untried + ", and there is too little time to try others");
+      return chosen(robust(fitting, caustics),
+                    untried(caustics) + ", and there is too little time to try others");
     }
   }
-  std::vector<double> times;
+  std::vector<double> times, worst;
   for (const Pilot& pilot : pilots) {
-    times.push_back(time_needed(pilot, pilots));
+    const Needed needed = time_needed(pilot, pilots);
+    times.push_back(needed.usual);
+    worst.push_back(needed.worst);
   }
   const size_t fastest =
       static_cast<size_t>(std::min_element(times.begin(), times.end()) - times.begin());
+  const double robust_factor = static_cast<double>(pilots[fastest].pixels.size()) < kSmallPilot
+                                   ? kRobustFactorOfSmall
+                                   : kRobustFactor;
   if (caustics && !pilots[fastest].candidate->finds_caustics) {
     for (size_t i = 0; i < pilots.size(); ++i) {
-      if (pilots[i].candidate->finds_caustics && times[i] <= kRobustFactor * times[fastest]) {
-        return settle(*pilots[i].candidate, compare(pilots[i], times[i], pilots, times) +
+      const bool unclear = times[i] <= robust_factor * times[fastest] || worst[i] <= worst[fastest];
+      if (pilots[i].candidate->finds_caustics && unclear) {
+        return chosen(*pilots[i].candidate, compare(pilots[i], times[i], pilots, times) +
                                                 "; preferred because the scene may have caustics");
       }
     }
   }
-  return settle(*pilots[fastest].candidate,
+  return chosen(*pilots[fastest].candidate,
                 compare(pilots[fastest], times[fastest], pilots, times));
 }
 

@@ -4,13 +4,14 @@
 // the render itself will take. A picture's variance times its cost is what a method needs for any
 // accuracy, so their ratio is how much longer one method takes than the other. Two things can
 // deceive: light that a method did not meet at all, which shows where another's picture is brighter
-// than both their errors allow, and light that none met. So where the scene may have caustics and
-// the pilot sees no clear difference, or there is too little time for one, a method that finds
-// caustics renders.
+// than both their errors allow, and light that none met, or few pixels did. So where the scene may
+// have caustics and the pilot sees no clear difference, be it for most pixels or for all, or there
+// is too little time for one, a method that finds caustics renders.
 #pragma once
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "render/settings.h"
@@ -19,15 +20,17 @@
 namespace vernier {
 
 struct MethodChoice {
-  Settings settings;   // those given, with the method chosen
+  IntegratorKind integrator = IntegratorKind::kPath;
   std::string reason;  // a sentence; empty where the settings name a method
-  double seconds = 0;  // that it took
 };
 
-// `settings.integrator` may be any: only Auto is decided upon. `interactive`: the first picture
-// must come at once, so nothing is tried. `cancelled` ends it early, with path tracing; may be
-// null.
-MethodChoice choose_method(const std::shared_ptr<const Scene>& scene, const Settings& settings,
-                           bool interactive, const std::atomic<bool>* cancelled = nullptr);
+// The choice where there is nothing to try: the settings name a method, or only one fits, or the
+// render is too short, or the first picture must come at once (`interactive`). Otherwise none.
+std::optional<MethodChoice> choose_untried(const Scene& scene, const Settings& settings,
+                                           bool interactive);
+
+// The choice by trying all that fit. Ends early, with any of them, once `cancelled` is set.
+MethodChoice choose_by_trial(const std::shared_ptr<const Scene>& scene, const Settings& settings,
+                             const std::atomic<bool>& cancelled);
 
 }  // namespace vernier

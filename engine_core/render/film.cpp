@@ -146,13 +146,12 @@ void TileBuffer::add_passes(int x, int y, const PassSample& sample, bool first) 
   }
 }
 
-Film::Film(int width, int height, PassSet passes, float exposure, bool splatting)
+Film::Film(int width, int height, PassSet passes, float exposure)
     : width_(width),
       height_(height),
       passes_(with_colors(passes)),
       exposure_(static_cast<double>(exposure)),
-      tiles_(make_tiles(width, height, kTileSize)),
-      splatting_(splatting) {
+      tiles_(make_tiles(width, height, kTileSize)) {
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
   pixels_.resize(count);
   values_.resize(count * static_cast<size_t>(sampled_channels(passes_)));
@@ -357,9 +356,10 @@ std::vector<PixelEstimate> Film::estimates() const {
   return pixels;
 }
 
-std::vector<float> Film::errors(const std::vector<PixelEstimate>& pixels, int width, int height,
-                                double mean) {
-  std::vector<float> errors = half_widths(pixels, width, height, mean);
+std::vector<float> Film::errors() const {
+  const std::vector<PixelEstimate> pixels = estimates();
+  const double mean = mean_luminance(pixels);
+  std::vector<float> errors = half_widths(pixels, width_, height_, mean);
   for (size_t i = 0; i < errors.size(); ++i) {
     if (std::isfinite(errors[i])) {
       errors[i] =
@@ -369,20 +369,20 @@ std::vector<float> Film::errors(const std::vector<PixelEstimate>& pixels, int wi
   return errors;
 }
 
-std::vector<float> Film::errors() const {
+PictureErrors Film::picture_errors() const {
   const std::vector<PixelEstimate> pixels = estimates();
-  return errors(pixels, width_, height_, mean_luminance(pixels));
+  return vernier::picture_errors(pixels, width_, height_, mean_luminance(pixels));
 }
 
 double Film::error() const {
-  std::vector<float> all = errors();
-  return picture_error(all);
+  PictureErrors all = picture_errors();
+  return picture_error(all.errors);
 }
 
 Certificate Film::certificate(unsigned look) const {
   const std::vector<PixelEstimate> pixels = estimates();
   const double mean = mean_luminance(pixels);
-  return certify(pixels, errors(pixels, width_, height_, mean), mean,
+  return certify(pixels, vernier::picture_errors(pixels, width_, height_, mean).errors, mean,
                  static_cast<unsigned>(least_batches()), look);
 }
 
@@ -401,22 +401,29 @@ uint64_t Film::least_batches() const {
 }
 
 std::vector<bool> Film::unfinished(double target) const {
-  constexpr double kWellBelow = 0.95, kMostAbove = 1.0 / 40.0, kLeastShare = 1.0 / 16.0;
-  const std::vector<float> all = errors();
-  std::vector<double> above(tiles_.size());
+  // Tiles are looked at often, too, and one that stops where chance was kind stays there.
+  constexpr double kWellBelow = 0.8, kMostAbove = 1.0 / 40.0, kLeastShare = 1.0 / 8.0;
+  const PictureErrors all = picture_errors();
   uint32_t most = 0;
   for (size_t i = 0; i < tiles_.size(); ++i) {
-    const Tile& t = tiles_[i];
-    for_each_pixel(t, [&](size_t pixel, const BatchCounts& counts, size_t) {
-      most = std::max(most, counts.samples);
-      above[i] += all[pixel] <= kWellBelow * target ? 0.0 : 1.0;
-    });
+    const std::lock_guard lock(locks_[i]);
+    most = std::max(most, counts_[i].samples);
   }
   std::vector<bool> result(tiles_.size());
   for (size_t i = 0; i < tiles_.size(); ++i) {
-    const double pixels = static_cast<double>(tiles_[i].width) * tiles_[i].height;
+    const Tile& t = tiles_[i];
+    double count = 0.0, above = 0.0;
+    const auto first = [&](int from) { return (from + all.stride - 1) / all.stride; };
+    for (int row = first(t.y); row < first(t.y + t.height); ++row) {
+      for (int column = first(t.x); column < first(t.x + t.width); ++column) {
+        const auto at = static_cast<size_t>(row) * static_cast<size_t>(all.columns) +
+                        static_cast<size_t>(column);
+        ++count;
+        above += static_cast<double>(all.errors[at]) <= kWellBelow * target ? 0.0 : 1.0;
+      }
+    }
     const std::lock_guard lock(locks_[i]);
-    result[i] = above[i] > kMostAbove * pixels || counts_[i].samples < kLeastShare * most;
+    result[i] = above > kMostAbove * count || counts_[i].samples < kLeastShare * most;
   }
   return result;
 }

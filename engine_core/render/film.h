@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "accuracy/certificate.h"
+#include "accuracy/picture_error.h"
 #include "accuracy/pixel_sums.h"
 #include "math/vec.h"
 #include "render/batch_plan.h"
@@ -85,9 +86,12 @@ class StateWriter;
 
 class Film {
  public:
-  // `splatting`: samples add to other pixels than their own, so that nothing of a batch is known
-  // before all of it is there. Throws std::bad_alloc when there is no memory for it.
-  Film(int width, int height, PassSet passes, float exposure, bool splatting = false);
+  // Throws std::bad_alloc when there is no memory for it.
+  Film(int width, int height, PassSet passes, float exposure);
+
+  // Before the first batch. True: samples add to other pixels than their own, so that nothing of a
+  // batch is known before all of it is there.
+  void set_splatting(bool splatting) { splatting_ = splatting; }
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -121,11 +125,14 @@ class Film {
 
   // What is known of each pixel by itself, by row.
   std::vector<PixelEstimate> estimates() const;
+  // What they say together.
+  PictureErrors picture_errors() const;
   // The error pass of the whole film.
   std::vector<float> errors() const;
 
-  // The tiles where more than a fortieth of the pixels is not well below `target`, or that have had
-  // far fewer samples than another: rare light may not have been met there yet.
+  // The tiles where more than a fortieth of the neighbourhoods is not well below `target`
+  // (accuracy/picture_error.h), or that have had far fewer samples than another: rare light may not
+  // have been met there yet.
   std::vector<bool> unfinished(double target) const;
   // All whole batches that are in the sums; those that came early are left out.
   void save(StateWriter& state) const;
@@ -162,8 +169,6 @@ class Film {
                          PixelBatch& batch, double* values);
   Merged merge_frame(uint64_t batch, TileBuffer&& buffer);
   static double luminance_sum(const Pixel& p);
-  static std::vector<float> errors(const std::vector<PixelEstimate>& pixels, int width, int height,
-                                   double mean);
   // Calls f(pixel within the film, its tile's counts, pixel within `area`), each tile under its
   // lock.
   template <class F>
@@ -182,7 +187,7 @@ class Film {
   std::vector<Arrivals> arrivals_;               // by tile
   mutable std::unique_ptr<std::mutex[]> locks_;  // by tile
   std::atomic<uint64_t> pixel_samples_{0};
-  bool splatting_;
+  bool splatting_ = false;
   mutable std::mutex frames_lock_;
   mutable std::condition_variable frame_added_;
   std::map<uint64_t, Frame> frames_;  // by batch: those begun and not yet in the sums

@@ -53,27 +53,71 @@ BatchPlan plan_for(const Settings& settings, const Kernel& kernel, uint32_t plan
 
 }  // namespace
 
+Session::Method::Method(Kernel&& chosen, const Settings& settings, const Session& session)
+    : kernel(std::move(chosen)),
+      plan(plan_for(settings, kernel, session.planned_samples_)),
+      light_passes(kernel, plan, session.film_.batches()) {}
+
 Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, PassSet passes,
                  bool give_way, const Resumption& resumption)
     : scene_(std::move(scene)),
       state_(resumption.path.empty() ? nullptr : std::make_unique<StateReader>(resumption.path)),
       planned_samples_(planned_for(settings)),
-      choice_(choose_method(scene_, resumed(settings, resumption.scene), give_way)),
-      settings_(choice_.settings),
+      settings_(resumed(settings, resumption.scene)),
       passes_(passes),
-      kernel_(choose_kernel(settings_, scene_->requirements, passes)),
       film_(scene_->film.crop[2] - scene_->film.crop[0],
-            scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure,
-            kernel_.splats),
+            scene_->film.crop[3] - scene_->film.crop[1], passes, scene_->film.exposure),
       filter_(scene_->film.filter, scene_->film.filter_width),
-      plan_(plan_for(settings_, kernel_, planned_samples_)),
-      light_passes_(kernel_, plan_, loaded_batches()),
       thread_count_(resolve_threads(settings_.threads)),
       give_way_(give_way),
       stats_(static_cast<size_t>(thread_count_)),
-      rays_(static_cast<size_t>(thread_count_)),
-      schedule_(film_.batches(), [this] { return look(); }),
-      changed_(film_.tiles().size(), false) {}
+      rays_(static_cast<size_t>(thread_count_)) {
+  if (std::optional<MethodChoice> choice = choose_untried(*scene_, settings_, give_way)) {
+    settle(std::move(*choice));
+  }
+  schedule_ = std::make_unique<Schedule>(film_.batches(), [this] { return look(); });
+  changed_.assign(film_.tiles().size(), false);
+}
+
+void Session::settle(MethodChoice&& choice) {
+  Settings settings = settings_;
+  settings.integrator = static_cast<int>(choice.integrator);
+  Kernel kernel = choose_kernel(settings, scene_->requirements, passes_);
+  film_.set_splatting(kernel.splats);
+  if (state_ != nullptr) {
+    film_.load(*state_);
+    state_.reset();
+  }
+  auto method = std::make_unique<Method>(std::move(kernel), settings, *this);
+  const std::lock_guard lock(mutex_);
+  settings_.integrator = settings.integrator;
+  choice_ = std::move(choice.reason);
+  method_ = std::move(method);
+}
+
+void Session::prepare(const RenderContext& context, RenderStats& stats) {
+  if (method_ == nullptr) {
+    MethodChoice choice = choose_by_trial(scene_, settings_, stopped_);
+    if (stopped_) {
+      return;
+    }
+    settle(std::move(choice));
+  }
+  if (method_->kernel.make_plan != nullptr) {
+    plan_of_method_ = method_->kernel.make_plan(context, method_->plan[0].seed, stats);
+    heed(*plan_of_method_);
+  }
+}
+
+std::string Session::choice() const {
+  const std::lock_guard lock(mutex_);
+  return choice_;
+}
+
+IntegratorKind Session::integrator() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<IntegratorKind>(settings_.integrator);
+}
 
 Settings Session::resumed(const Settings& given, const std::string& scene) {
   Settings settings = given;
@@ -96,22 +140,20 @@ Settings Session::resumed(const Settings& given, const std::string& scene) {
   if (saved_settings != picture_settings(settings)) {
     state_->refuse("is of a render with other settings");
   }
-  return settings;
-}
-
-std::vector<uint64_t> Session::loaded_batches() {
-  if (state_ != nullptr) {
-    film_.load(*state_);
-    state_.reset();
+  if (static_cast<IntegratorKind>(integrator) == IntegratorKind::kAuto) {
+    state_.reset();  // it was still trying methods: there is no picture to go on with
   }
-  return film_.batches();
+  return settings;
 }
 
 void Session::save(const std::string& path, const std::string& scene) const {
   StateWriter state;
   state.add(scene);
-  state.add(settings_.integrator);
-  state.add(picture_settings(settings_));
+  {
+    const std::lock_guard lock(mutex_);
+    state.add(settings_.integrator);
+    state.add(picture_settings(settings_));
+  }
   state.add(planned_samples_);
   state.add(looks_);
   film_.save(state);
@@ -166,11 +208,11 @@ void Session::stop(Ending ending) {
   Ending none = Ending::kNone;
   ending_.compare_exchange_strong(none, ending);
   stopped_ = true;
-  schedule_.end();
+  schedule_->end();
 }
 
 void Session::watch_the_time() {
-  if (!wait(settings_.time_limit - choice_.seconds)) {
+  if (!wait(settings_.time_limit)) {
     stop(Ending::kTime);
   }
 }
@@ -178,7 +220,7 @@ void Session::watch_the_time() {
 Schedule::Round Session::look() {
   const uint64_t begun = film_.least_batches();
   Ending ending = Ending::kNone;
-  if (begun >= plan_.size()) {
+  if (begun >= method_->plan.size()) {
     ending = Ending::kSamples;
   }
   if (settings_.target_error > 0.0 && begun > 0) {
@@ -190,7 +232,7 @@ Schedule::Round Session::look() {
   const std::vector<uint64_t> before = film_.batches();
   std::vector<uint64_t> round = before;
   const bool adapts = settings_.adaptive != 0 && settings_.target_error > 0.0 && begun > 0 &&
-                      !kernel_.splats && kernel_.make_light_pass == nullptr;
+                      !method_->kernel.splats && method_->kernel.make_light_pass == nullptr;
   std::vector<bool> active(round.size(), true);
   if (adapts) {
     active = film_.unfinished(0.01 * settings_.target_error);
@@ -214,15 +256,15 @@ Schedule::Round Session::look() {
 }
 
 uint64_t Session::next_look(uint64_t begun) const {
-  if (begun >= plan_.size()) {  // a state may have more samples than are asked for now
+  if (begun >= method_->plan.size()) {  // a state may have more samples than are asked for now
     return begun;
   }
   if (settings_.target_error == 0.0) {
-    return plan_.size();
+    return method_->plan.size();
   }
-  const double samples = std::max<double>(kFirstLook, kLookGrowth * plan_[begun].first);
+  const double samples = std::max<double>(kFirstLook, kLookGrowth * method_->plan[begun].first);
   uint64_t until = begun + 1;
-  while (until < plan_.size() && plan_[until].first < samples) {
+  while (until < method_->plan.size() && method_->plan[until].first < samples) {
     ++until;
   }
   return until;
@@ -234,9 +276,9 @@ double Session::elapsed() const {
   }
   const int64_t end = end_nanoseconds_;
   if (end >= 0) {
-    return choice_.seconds + static_cast<double>(end) * 1e-9;
+    return static_cast<double>(end) * 1e-9;
   }
-  return choice_.seconds + std::chrono::duration<double>(Clock::now() - start_).count();
+  return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
 void Session::heed(const Plan& plan) {
@@ -246,8 +288,8 @@ void Session::heed(const Plan& plan) {
   std::vector<std::string> notes = plan.notes();
   if (std::string nothing = plan.nothing(); !nothing.empty()) {
     constexpr uint64_t kForErrors = 2;
-    plan_.shorten(
-        std::min<uint64_t>(plan_.size(), std::max<uint64_t>(film_.least_batches(), kForErrors)));
+    method_->plan.shorten(std::min<uint64_t>(
+        method_->plan.size(), std::max<uint64_t>(film_.least_batches(), kForErrors)));
     notes.push_back(std::move(nothing));
   }
   const std::lock_guard lock(mutex_);
@@ -256,7 +298,10 @@ void Session::heed(const Plan& plan) {
 
 std::vector<std::string> Session::notes() const {
   const std::lock_guard lock(mutex_);
-  std::vector<std::string> all = kernel_.notes;
+  std::vector<std::string> all;
+  if (method_ != nullptr) {
+    all = method_->kernel.notes;
+  }
   all.insert(all.end(), late_notes_.begin(), late_notes_.end());
   return all;
 }
@@ -269,32 +314,27 @@ void Session::work(int thread) {
   RenderContext context{*scene_, settings_, filter_, stopped_};
   RenderStats& stats = stats_[static_cast<size_t>(thread)];
   try {
-    std::call_once(planned_, [&] {
-      if (kernel_.make_plan != nullptr) {
-        plan_of_method_ = kernel_.make_plan(context, plan_[0].seed, stats);
-        heed(*plan_of_method_);
-      }
-    });
+    std::call_once(prepared_, [&] { prepare(context, stats); });
     context.plan = plan_of_method_.get();
     Job job;
-    while (schedule_.next(job)) {
+    while (method_ != nullptr && schedule_->next(job)) {
       const auto [tile_number, number] = job;
       const Tile& tile = film_.tiles()[tile_number];
-      const Batch batch = plan_[number];
+      const Batch batch = method_->plan[number];
       std::shared_ptr<const LightPass> light_pass;
-      if (kernel_.make_light_pass != nullptr &&
-          !light_passes_.get(context, number, stats, light_pass)) {
+      if (method_->kernel.make_light_pass != nullptr &&
+          !method_->light_passes.get(context, number, stats, light_pass)) {
         break;
       }
       RenderContext tile_context = context;
       tile_context.light_pass = light_pass.get();
       TileBuffer buffer = film_.buffer(tile_number, number, batch);
-      kernel_.render_tile(tile_context, batch, tile, buffer, film_.passes(), stats);
+      method_->kernel.render_tile(tile_context, batch, tile, buffer, film_.passes(), stats);
       if (stopped_) {
         break;  // pixels of an unfinished tile would have a batch of another size
       }
       const Film::Merged merged = film_.merge(tile_number, number, std::move(buffer));
-      schedule_.done();
+      schedule_->done();
       rays_[static_cast<size_t>(thread)] = stats.rays;
       const std::lock_guard lock(mutex_);
       if (merged == Film::Merged::kTile) {

@@ -46,9 +46,9 @@ struct Resumption {
 class Session {
  public:
   // `give_way`: its threads leave the processor to threads of ordinary priority when these want it.
-  // With Auto the methods are tried out here (pilot/method_choice.h), but not where it gives way:
-  // somebody waits for the picture then. Throws std::bad_alloc when the film does not fit into
-  // memory.
+  // With Auto the render begins with a trial of the methods (method_choice/method_choice.h), but
+  // not where it gives way: somebody waits for the picture then. Throws std::bad_alloc when the
+  // film does not fit into memory.
   // `resumption`: samples, time and target may differ from those of the state's render, and time
   // counts anew; all else must be equal. Throws std::runtime_error where it is not, or the file is
   // no good.
@@ -72,9 +72,11 @@ class Session {
   void save(const std::string& path, const std::string& scene) const;
   // Tiles that have changed since the last call.
   std::vector<Tile> take_tiles();
-  // Why Auto chose the method that renders; empty where the settings name one.
-  const std::string& choice() const { return choice_.reason; }
-  IntegratorKind integrator() const { return static_cast<IntegratorKind>(settings_.integrator); }
+  // Why Auto chose the method that renders; empty where the settings name one, and while methods
+  // are tried.
+  std::string choice() const;
+  // Auto while methods are tried.
+  IntegratorKind integrator() const;
   // What the method leaves out in this scene, a sentence each.
   // Once it has begun there may be more of them.
   std::vector<std::string> notes() const;
@@ -88,6 +90,20 @@ class Session {
  private:
   using Clock = std::chrono::steady_clock;
 
+  // What the choice of a method decides on.
+  struct Method {
+    Kernel kernel;
+    BatchPlan plan;
+    LightPassQueue light_passes;
+
+    Method(Kernel&& chosen, const Settings& settings, const Session& session);
+  };
+
+  // From here on the method is known.
+  void settle(MethodChoice&& choice);
+  // By one thread, before any asks for a job: tries methods where that is left to do, and lets the
+  // one that renders prepare. There is none where the render was stopped meanwhile.
+  void prepare(const RenderContext& context, RenderStats& stats);
   void work(int thread);
   void watch_the_time();
   void thread_ended(int count);
@@ -99,8 +115,6 @@ class Session {
   Schedule::Round look();
   // Reads the state's own part, and of a render by Auto its method.
   Settings resumed(const Settings& given, const std::string& scene);
-  // Reads the film's part; the number of batches that each tile has.
-  std::vector<uint64_t> loaded_batches();
   // The number of the batch that a tile ends before which has `begun` batches now.
   uint64_t next_look(uint64_t begun) const;
 
@@ -108,15 +122,13 @@ class Session {
   std::unique_ptr<StateReader> state_;  // while it is read
   uint32_t planned_samples_ = 0;        // what the render was begun for; 0: it begins now
   unsigned looks_ = 0;                  // at the picture's error
-  const MethodChoice choice_;
-  Settings settings_;
+  Settings settings_;                   // those given, until the method is chosen
+  std::string choice_;
   PassSet passes_;
-  Kernel kernel_;
   Film film_;
   PixelFilter2d filter_;
-  BatchPlan plan_;
-  LightPassQueue light_passes_;
-  std::once_flag planned_;
+  std::unique_ptr<Method> method_;  // null until it is chosen
+  std::once_flag prepared_;
   std::unique_ptr<const Plan> plan_of_method_;
   int thread_count_;
   bool give_way_;
@@ -124,7 +136,7 @@ class Session {
   std::thread watch_;  // only with a time limit
   std::vector<RenderStats> stats_;
   std::vector<std::atomic<uint64_t>> rays_;
-  Schedule schedule_;
+  std::unique_ptr<Schedule> schedule_;
   std::atomic<uint64_t> non_finite_{0};
   std::atomic<bool> cancelled_{false};
   std::atomic<bool> stopped_{false};  // cancelled, out of time, or failed

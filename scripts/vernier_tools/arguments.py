@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import re
 from collections.abc import Callable, Iterable
@@ -45,6 +46,28 @@ def frame_range(text: str) -> range:
 def positive_numbers(text: str) -> list[float]:
     """Positive numbers separated by commas."""
     return [positive_float(part) for part in text.split(",")]
+
+
+def rising_ints(text: str) -> list[int]:
+    """Positive whole numbers, each larger than the one before, separated by commas."""
+    numbers = [positive_int(part) for part in text.split(",")]
+    if any(b <= a for a, b in itertools.pairwise(numbers)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not in rising order")
+    return numbers
+
+
+def stopping_rules(text: str) -> tuple[str, ...]:
+    """When renders stop: numbers of batches, `target=PERCENT`, `time=SECONDS`."""
+    rules = tuple(text.split(","))
+    for rule in rules:
+        name, equals, value = rule.partition("=")
+        if not equals:
+            positive_int(rule)
+        elif name in ("target", "time"):
+            positive_float(value)
+        else:
+            raise argparse.ArgumentTypeError(f"{rule!r} is not target=PERCENT or time=SECONDS")
+    return rules
 
 
 def names_of(known: Iterable[str]) -> Callable[[str], tuple[str, ...]]:

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from vernier_tools import benchmark_tables, command_lines, images, jobs, metrics, references
-from vernier_tools.errors import ToolError, report
+from vernier_tools.errors import ToolError, blend_file_there, ended, say
 
 COMMAND = "scripts/benchmark"
 MEDIANS = (
@@ -33,10 +33,6 @@ MEDIANS = (
 )
 
 Figures = dict[str, Any]
-
-
-def say(text: str) -> None:
-    print(f"{COMMAND}: {text}", file=sys.stderr, flush=True)
 
 
 def scene_job(options: argparse.Namespace, scene: Path) -> jobs.Job:
@@ -53,14 +49,17 @@ def scene_job(options: argparse.Namespace, scene: Path) -> jobs.Job:
 def measure_scene(options: argparse.Namespace, scene: Path) -> Figures:
     """Speed and error of each engine on one scene. Raises ToolError."""
     base = scene_job(options, scene)
-    say(f"{scene.stem}: reference")
+    say(COMMAND, f"{scene.stem}: reference")
     reference = references.make(base, options.references, options.reference_time, options.cache)
     runs: dict[str, list[Figures]] = {engine: [] for engine in options.engines}
     outcome: jobs.Outcome | None = None
     with tempfile.TemporaryDirectory() as folder:
         for repeat in range(options.repeats):
             for engine in options.engines:
-                say(f"{scene.stem}: {jobs.ENGINES[engine]}, {repeat + 1} of {options.repeats}")
+                say(
+                    COMMAND,
+                    f"{scene.stem}: {jobs.ENGINES[engine]}, {repeat + 1} of {options.repeats}",
+                )
                 output = str(Path(folder, engine))
                 job = replace(base, engine=engine, seeds=(repeat + 1,), output=output)
                 outcome = jobs.run(job)
@@ -116,7 +115,7 @@ def summarize(runs: list[Figures]) -> Figures:
 
 def measure_rays(options: argparse.Namespace, scene: Path) -> Figures:
     """Vernier's rate of rays beside Embree's. Raises ToolError."""
-    say(f"{scene.stem}: rays")
+    say(COMMAND, f"{scene.stem}: rays")
     job = replace(scene_job(options, scene), engine="vernier", time=0.0, samples=1)
     rate = jobs.run_ray_rate(job)
     return {"scene": scene.stem, **asdict(rate)}
@@ -124,7 +123,7 @@ def measure_rays(options: argparse.Namespace, scene: Path) -> Figures:
 
 def measure_photons(options: argparse.Namespace, scene: Path) -> Figures:
     """What a million photons cost beside a million camera paths. Raises ToolError."""
-    say(f"{scene.stem}: photons")
+    say(COMMAND, f"{scene.stem}: photons")
     job = replace(
         scene_job(options, scene),
         engine="vernier",
@@ -144,7 +143,7 @@ def measure_size(options: argparse.Namespace, triangles: float, instanced: bool)
     for repeat in range(options.repeats):
         for engine in options.engines:
             name = jobs.ENGINES[engine]
-            say(f"{triangles / 1e6:g} million triangles, {kind}: {name}, {repeat + 1}")
+            say(COMMAND, f"{triangles / 1e6:g} million triangles, {kind}: {name}, {repeat + 1}")
             job = jobs.Job(
                 engine=engine,
                 blend="",
@@ -168,7 +167,7 @@ def attempt(name: str, measure: Callable[[], Figures], failures: list[str]) -> l
     try:
         return [measure()]
     except ToolError as error:
-        say(f"{name}: {error}")
+        say(COMMAND, f"{name}: {error}")
         failures.append(f"{name}: {error}")
         return []
 
@@ -217,22 +216,19 @@ def write(results: Figures, folder: Path) -> None:
     (folder / "results.md").write_text(benchmark_tables.markdown(results))
 
 
-def main() -> int:
-    options = command_lines.benchmark(sys.argv[1:])
-    try:
-        for scene in options.scenes:
-            if not scene.is_file():
-                raise ToolError(f"{scene}: no such file")
-        options.output.mkdir(parents=True, exist_ok=True)
-        results = benchmark(options)
-        write(results, options.output)
-    except (ToolError, OSError) as error:
-        report(COMMAND, error)
-        return 1
-    except KeyboardInterrupt:
-        return 130
+def work(options: argparse.Namespace) -> int:
+    for scene in options.scenes:
+        blend_file_there(scene)
+    options.output.mkdir(parents=True, exist_ok=True)
+    results = benchmark(options)
+    write(results, options.output)
     print(benchmark_tables.markdown(results), end="")
     return 1 if results["failures"] else 0
+
+
+def main() -> int:
+    options = command_lines.benchmark(sys.argv[1:])
+    return ended(COMMAND, lambda: work(options))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from vernier_tools.errors import ToolError, report
+from vernier_tools.errors import ToolError, ended, say
 from vernier_tools.images import read_combined
 from vernier_tools.manual_tables import nodes_page, settings_page
 from vernier_tools.metrics import relative_squared_error
@@ -86,7 +86,7 @@ def write_pictures(pictures: Iterable[Picture], share: float) -> None:
     folder = FOLDER / "pictures"
     folder.mkdir(exist_ok=True)
     for picture in pictures:
-        say(f"picture {picture.name}")
+        say(COMMAND, f"picture {picture.name}")
         render(
             picture.scene,
             picture.method,
@@ -111,7 +111,7 @@ def write_measurements(seconds: float, reference_seconds: float) -> None:
     rows = []
     with tempfile.TemporaryDirectory() as scratch:
         for scene in SCENES:
-            say(f"measuring {scene}")
+            say(COMMAND, f"measuring {scene}")
             reference = Path(scratch, f"{scene}.exr")
             render(scene, METHODS[-1], reference, MEASURED_SIZE, reference_seconds, seed=1)
             truth = read_combined(reference)
@@ -137,10 +137,6 @@ that the method cannot find.
     (FOLDER / "measured.md").write_text(text + "\n")
 
 
-def say(text: str) -> None:
-    print(f"{COMMAND}: {text}", file=sys.stderr, flush=True)
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
     parser.add_argument("--tables", action="store_true", help="the tables only, at once")
@@ -158,7 +154,8 @@ def main() -> int:
         "--picture-share", type=float, default=1.0, help="of the pictures' usual time (1)"
     )
     options = parser.parse_args()
-    try:
+
+    def work() -> int:
         FOLDER.mkdir(parents=True, exist_ok=True)
         (FOLDER / "settings.md").write_text(settings_page())
         (FOLDER / "nodes.md").write_text(nodes_page())
@@ -167,10 +164,9 @@ def main() -> int:
         elif not options.tables:
             write_pictures(PICTURES, options.picture_share)
             write_measurements(options.seconds, options.reference_seconds)
-    except ToolError as error:
-        report(COMMAND, error)
-        return 1
-    return 0
+        return 0
+
+    return ended(COMMAND, work)
 
 
 if __name__ == "__main__":

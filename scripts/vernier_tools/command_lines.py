@@ -7,12 +7,11 @@ is installed: it needs the standard library alone, and of the core only where th
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from vernier_tools import settings
+from vernier_tools import accuracy_lines, settings
 from vernier_tools.arguments import (
     Parser,
     frame_range,
@@ -23,23 +22,19 @@ from vernier_tools.arguments import (
     resolution,
 )
 from vernier_tools.jobs import ENGINES, USUAL_ENGINES
+from vernier_tools.shared_options import (
+    ROOT,
+    blend_scene,
+    default_cache,
+    film,
+    measuring,
+    several_scenes,
+)
 
-ROOT = Path(__file__).parents[2]
 BENCHMARK_PARTS = ("scenes", "rays", "photons", "sizes")
 USUAL_PARTS = ("scenes", "rays", "sizes")
 #: The methods that go to the same picture.
 VERIFIED = ("path", "light", "bdpt", "pssmlt", "mmlt", "mlt", "vcm", "sppm", "photon")
-
-
-def default_cache() -> Path:
-    """Where references are kept: `vernier/references` in the user's cache folder."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "vernier/references"
-
-
-def blend_scene(name: str) -> Path:
-    """A .blend file by its path, or by its name in blend_scenes/."""
-    shipped = ROOT / "blend_scenes" / f"{name}.blend"
-    return shipped if shipped.is_file() else Path(name)
 
 
 def render(arguments: Sequence[str]) -> argparse.Namespace:
@@ -134,8 +129,7 @@ def compare(arguments: Sequence[str]) -> argparse.Namespace:
     limit.add_argument("--samples", type=positive_int, help="samples per pixel (default 256)")
     limit.add_argument("--time", type=positive_float, help="seconds of rendering for each engine")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
-    parser.add_argument("--resolution", type=resolution, default=(0, 0), metavar="WxH")
+    film(parser)
     parser.add_argument(
         "--engines",
         type=names_of(ENGINES),
@@ -163,13 +157,7 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
         "generated scenes. Part photons, on demand: photon maps beside camera paths. Each render "
         "has a process of its own, and the engines take turns.",
     )
-    parser.add_argument(
-        "--scenes",
-        type=lambda text: [blend_scene(name) for name in text.split(",")],
-        default=sorted((ROOT / "blend_scenes").glob("*.blend")),
-        metavar="NAME,...",
-        help="names in blend_scenes/, or paths (default: all of blend_scenes/)",
-    )
+    several_scenes(parser)
     parser.add_argument(
         "--parts",
         type=names_of(BENCHMARK_PARTS),
@@ -179,23 +167,7 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("--time", type=positive_float, default=8.0, help="seconds a render (8)")
     parser.add_argument("--repeats", type=positive_int, default=3, help="renders an engine (3)")
-    parser.add_argument(
-        "--reference-time", type=positive_float, default=120.0, help="seconds a reference (120)"
-    )
-    parser.add_argument(
-        "--references",
-        type=names_of(ENGINES),
-        default=USUAL_ENGINES,
-        metavar="ENGINE,...",
-        help="whose long renders make the reference (vernier,cycles)",
-    )
-    parser.add_argument(
-        "--engines",
-        type=names_of(ENGINES),
-        default=USUAL_ENGINES,
-        metavar="ENGINE,...",
-        help="which to measure (vernier,cycles)",
-    )
+    measuring(parser, USUAL_ENGINES, USUAL_ENGINES, 120.0)
     parser.add_argument(
         "--triangles",
         type=positive_numbers,
@@ -210,15 +182,6 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
         metavar="N",
         help="of the photon maps that are measured, in millions (1)",
     )
-    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
-    parser.add_argument(
-        "--resolution",
-        type=resolution,
-        default=(0, 0),
-        metavar="WxH",
-        help="of the scenes (default: each file's own)",
-    )
-    parser.add_argument("--cache", type=Path, default=default_cache(), help="for references")
     parser.add_argument(
         "-o",
         "--output",
@@ -266,13 +229,6 @@ def tradeoff(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("scene", type=blend_scene, metavar="SCENE.blend")
     parser.add_argument(
-        "--engines",
-        type=names_of(ENGINES),
-        default=tuple(ENGINES),
-        metavar="ENGINE,...",
-        help="default: " + ",".join(ENGINES),
-    )
-    parser.add_argument(
         "--budgets",
         type=positive_numbers,
         default=[1.0, 2.0, 4.0, 8.0, 16.0],
@@ -280,19 +236,7 @@ def tradeoff(arguments: Sequence[str]) -> argparse.Namespace:
         help="seconds of the renders (1,2,4,8,16)",
     )
     parser.add_argument("--repeats", type=positive_int, default=2, help="renders of each (2)")
-    parser.add_argument(
-        "--reference-time", type=positive_float, default=240.0, help="seconds a reference (240)"
-    )
-    parser.add_argument(
-        "--references",
-        type=names_of(ENGINES),
-        default=("vernier-bdpt",),
-        metavar="ENGINE,...",
-        help="whose long renders make the reference (vernier-bdpt)",
-    )
-    parser.add_argument("--threads", type=positive_int, default=0, help="default: all")
-    parser.add_argument("--resolution", type=resolution, default=(0, 0), metavar="WxH")
-    parser.add_argument("--cache", type=Path, default=default_cache(), help="for references")
+    measuring(parser, tuple(ENGINES), ("vernier-bdpt",), 240.0)
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="default: out/tradeoff/SCENE"
     )
@@ -353,6 +297,9 @@ COMMANDS: dict[str, Callable[[Sequence[str]], argparse.Namespace]] = {
     "extremes": extremes,
     "tradeoff": tradeoff,
     "verify": verify,
+    "progress_page": accuracy_lines.progress,
+    "calibrate": accuracy_lines.calibrate,
+    "methods": accuracy_lines.methods,
 }
 
 if __name__ == "__main__":

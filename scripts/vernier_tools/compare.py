@@ -13,7 +13,7 @@ import numpy as np
 
 from vernier_tools import command_lines, images, jobs, metrics
 from vernier_tools.comparison_page import write_page
-from vernier_tools.errors import ToolError, report
+from vernier_tools.errors import ToolError, blend_file_there, ended
 from vernier_tools.images import FloatImage
 
 COMMAND = "scripts/compare_cycles"
@@ -105,8 +105,7 @@ def write_pictures(sides: tuple[Side, Side], folder: Path) -> float:
 
 def compare(options: argparse.Namespace) -> Path:
     """Does all of it; returns the page's path. Raises ToolError."""
-    if not options.scene.is_file():
-        raise ToolError(f"{options.scene}: no such file")
+    blend_file_there(options.scene)
     output: Path = options.output or Path("out", "compare", options.scene.stem)
     output.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as temporary:
@@ -133,15 +132,13 @@ def compare(options: argparse.Namespace) -> Path:
 
 
 def main() -> int:
-    try:
-        page = compare(command_lines.compare(sys.argv[1:]))
-    except ToolError as error:
-        report(COMMAND, error)
-        return 1
-    except KeyboardInterrupt:
-        return 130
-    print(page)
-    return 0
+    options = command_lines.compare(sys.argv[1:])
+
+    def work() -> int:
+        print(compare(options))
+        return 0
+
+    return ended(COMMAND, work)
 
 
 if __name__ == "__main__":

@@ -73,7 +73,10 @@ def set_up_vernier(scene: bpy.types.Scene, job: Job, seed: int) -> None:
     register_vernier()
     scene.render.engine = "VERNIER"
     vernier = scene.vernier
-    vernier.integrator = job.engine.partition("-")[2].upper() or "PATH"
+    method = job.engine.partition("-")[2]
+    vernier.integrator = "PATH" if method in ("", "denoised") else method.upper()
+    if method == "denoised":
+        importlib.import_module("addon.denoising").set_up(scene, scene.view_layers[0])
     vernier.seed = seed
     vernier.samples = job.samples or vernier.bl_rna.properties["samples"].hard_max
     vernier.time_limit = job.time

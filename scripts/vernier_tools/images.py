@@ -16,7 +16,8 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)  # of linear Rec.709 
 
 
 def read_combined(path: Path) -> FloatImage:
-    """The Combined pass of a multilayer EXR, or the colours of any other picture: (h, w, 3)."""
+    """The colours of a picture: (h, w, 3). Of a multilayer EXR the compositor's picture where there
+    is one, or the Combined pass."""
     source = OpenImageIO.ImageInput.open(str(path))
     if source is None:
         raise ToolError(f"{path}: {OpenImageIO.geterror()}")
@@ -28,7 +29,8 @@ def read_combined(path: Path) -> FloatImage:
     if pixels is None:
         raise ToolError(f"{path}: cannot be read")
     combined = [i for i, name in enumerate(names) if name.split(".")[-2:-1] == ["Combined"]]
-    first = combined[:3] if combined else [0, 1, 2]
+    composite = [i for i in combined if names[i].startswith("Composite.")]
+    first = (composite or combined)[:3] or [0, 1, 2]
     return np.ascontiguousarray(pixels[:, :, first], np.float32)
 
 

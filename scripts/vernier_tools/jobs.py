@@ -7,6 +7,7 @@ measurement.
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -29,6 +30,7 @@ ENGINES = {
     "vernier-mmlt": "Vernier MMLT",
     "vernier-mlt": "Vernier MLT",
     "vernier-auto": "Vernier Auto",
+    "vernier-denoised": "Vernier, denoised",
     "cycles-denoised": "Cycles, denoised",
 }
 # What is measured where nothing else is asked for.
@@ -75,7 +77,8 @@ class Render:
     `first_sample` is when sampling began (export and building done), `first_tile` when the first
     pixels were there; `sampling` and `samples` say how long sampling lasted and what it achieved.
     `cpu` is the processor time of all threads, `sampling_cpu` that since sampling began. `memory`
-    is by how much the process grew at its peak. `rays` is 0 where the engine does not count them.
+    is by how much the process grew at its peak. `rays` is 0 where the engine does not count them,
+    `error` infinite where it does not state one.
     """
 
     seed: int
@@ -89,6 +92,7 @@ class Render:
     memory: int
     peak_memory: int
     rays: int
+    error: float = math.inf
 
     def samples_per_cpu_second(self, pixels: int) -> float:
         """What else the machine does hardly touches it."""

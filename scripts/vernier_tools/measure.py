@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import resource
 import sys
@@ -138,5 +139,6 @@ def render_measured(seed: int) -> tuple[Render, list[RenderRecord]]:
         memory=max(peak - memory, 0),
         peak_memory=peak,
         rays=sum(record.progress.rays for record in watch.records),
+        error=max((record.progress.error for record in watch.records), default=math.inf),
     )
     return render, watch.records

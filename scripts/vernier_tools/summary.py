@@ -60,6 +60,7 @@ def lines(records: Sequence[RenderRecord], path: Path, frame_seconds: float) -> 
         text.append(name + ", ".join(parts))
         if record.choice:
             text.append(f"{name}Auto: {record.choice}")
+        text += [name + line for line in record.modelled.lines()]
     peak = status_bytes("VmHWM") / 2**20
     text.append(f"{frame_seconds:.2f} s in all, {peak:.0f} MiB at the peak, written to {path}")
     return text

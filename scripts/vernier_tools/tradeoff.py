@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from vernier_tools import command_lines, images, jobs, references, tradeoff_page
-from vernier_tools.errors import ToolError, report
+from vernier_tools.errors import ToolError, blend_file_there, ended, say
 from vernier_tools.images import FloatImage
 
 COMMAND = "scripts/tradeoff"
@@ -112,7 +112,7 @@ def measure(options: argparse.Namespace, folder: Path) -> dict[str, Any]:
         threads=options.threads,
         resolution=options.resolution,
     )
-    say("reference")
+    say(COMMAND, "reference")
     reference = references.make(base, options.references, options.reference_time, options.cache)
     points: list[Point] = []
     failures: list[str] = []
@@ -120,7 +120,10 @@ def measure(options: argparse.Namespace, folder: Path) -> dict[str, Any]:
         for budget in sorted(options.budgets):
             for seed in range(1, options.repeats + 1):
                 for engine in options.engines:
-                    say(f"{jobs.ENGINES[engine]}, {budget:g} s, {seed} of {options.repeats}")
+                    say(
+                        COMMAND,
+                        f"{jobs.ENGINES[engine]}, {budget:g} s, {seed} of {options.repeats}",
+                    )
                     stem = str(Path(temporary, engine))
                     job = replace(
                         base, engine=engine, seeds=(seed,), time=budget, output=stem, view=True
@@ -172,27 +175,20 @@ def summary(points: Sequence[Point]) -> dict[str, Any]:
     }
 
 
-def say(text: str) -> None:
-    print(f"{COMMAND}: {text}", file=sys.stderr, flush=True)
+def work(options: argparse.Namespace) -> int:
+    output: Path = options.output or Path("out", "tradeoff", options.scene.stem)
+    blend_file_there(options.scene)
+    output.mkdir(parents=True, exist_ok=True)
+    figures = measure(options, output)
+    (output / "figures.json").write_text(json.dumps(figures, indent=1) + "\n")
+    tradeoff_page.write_page(output / "index.html", figures)
+    print(tradeoff_page.markdown(figures), end="")
+    return 1 if figures["failures"] else 0
 
 
 def main() -> int:
     options = command_lines.tradeoff(sys.argv[1:])
-    output: Path = options.output or Path("out", "tradeoff", options.scene.stem)
-    try:
-        if not options.scene.is_file():
-            raise ToolError(f"{options.scene}: no such file")
-        output.mkdir(parents=True, exist_ok=True)
-        figures = measure(options, output)
-        (output / "figures.json").write_text(json.dumps(figures, indent=1) + "\n")
-        tradeoff_page.write_page(output / "index.html", figures)
-    except (ToolError, OSError) as error:
-        report(COMMAND, error)
-        return 1
-    except KeyboardInterrupt:
-        return 130
-    print(tradeoff_page.markdown(figures), end="")
-    return 1 if figures["failures"] else 0
+    return ended(COMMAND, lambda: work(options))
 
 
 if __name__ == "__main__":

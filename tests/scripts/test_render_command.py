@@ -42,10 +42,12 @@ def test_exr_is_linear_float_with_passes_and_the_summary_says_all(
         summary_lines[0],
     )
     assert summary_lines[1].startswith("Auto: Path tracing: ")
+    assert summary_lines[2].startswith("Modelled: ")
+    assert "instancing" in summary_lines[3]
     assert re.fullmatch(
-        r"[\d.]+ s in all, \d+ MiB at the peak, written to a\.exr", summary_lines[2]
+        r"[\d.]+ s in all, \d+ MiB at the peak, written to a\.exr", summary_lines[4]
     )
-    assert len(summary_lines) == 3
+    assert len(summary_lines) == 5
     # Nothing else is left in the folder.
     assert [path.name for path in tmp_path.iterdir()] == ["a.exr"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from scenes import SceneBuilder, diffuse, emission, quad, shader, soft_scene, sphere
@@ -26,9 +27,18 @@ def fixture(size: int = 96) -> Any:
 
 
 def auto(scene: Any, **settings: Any) -> Any:
-    return engine_core.Session(
+    """A session that has been started, has chosen, and is not wanted any longer."""
+    session = engine_core.Session(
         scene, {"integrator": "AUTO", "threads": 2, **settings}, ["Combined"]
     )
+    session.start()
+    while not session.choice and not session.wait(0.01):
+        pass
+    session.cancel()
+    while not session.wait(1.0):
+        pass
+    assert session.error_message == ""
+    return session
 
 
 def test_auto_is_what_users_begin_with() -> None:
@@ -83,13 +93,36 @@ def test_limits_by_kind_leave_one_method() -> None:
     assert "the only method" in session.choice
 
 
-def test_the_pilot_counts_in_the_time() -> None:
-    session = auto(soft(), samples=256)
+def test_the_pilot_is_part_of_the_run_and_ends_when_it_is_cancelled() -> None:
+    session = engine_core.Session(
+        fixture(256), {"integrator": "AUTO", "threads": 2, "samples": 1 << 24}, ["Combined"]
+    )
+    assert session.integrator == "AUTO"
+    assert session.choice == ""
+    assert session.notes == []
     session.start()
-    first = session.poll().seconds
-    assert first > 0.0
     session.cancel()
     assert session.wait(20.0)
+    progress = session.poll(True)
+    assert progress.ending == "cancel"
+    assert progress.samples == 0
+    # What it would have shown is not known, and no picture is made up.
+    assert not session.read("Combined", 0, 0, 256, 256).any()
+
+
+def test_a_render_that_was_stopped_while_trying_begins_anew(tmp_path: Path) -> None:
+    scene, settings = soft(), {"integrator": "AUTO", "threads": 2, "samples": 192}
+    session = engine_core.Session(scene, settings, ["Combined"])
+    session.save(str(tmp_path / "state"), "a scene")
+    resumed = engine_core.Session(
+        scene, settings, ["Combined"], resume=str(tmp_path / "state"), digest="a scene"
+    )
+    assert resumed.integrator == "AUTO"
+    resumed.start()
+    while not resumed.wait(1.0):
+        pass
+    assert resumed.integrator == "PATH"
+    assert resumed.poll().samples == 192
 
 
 def test_a_named_method_is_not_questioned() -> None:

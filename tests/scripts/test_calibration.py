@@ -1,0 +1,112 @@
+"""Calibration and choices: their arithmetic, and what a scene's requirements are told to be."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+import numpy as np
+import pytest
+from vernier_tools import arguments, calibrate, calibration, methods, progress_page
+from vernier_tools.core_renders import CoreRender
+from vernier_tools.jobs import Render
+
+SHAPE = (12, 20)
+
+
+def noisy(rng: np.random.Generator, runs: int, deviation: float) -> calibration.Array:
+    return np.asarray(2.0 * (1.0 + deviation * rng.normal(size=(runs, *SHAPE))))
+
+
+def test_normal_bars_cover_95_in_100(rng: np.random.Generator) -> None:
+    values, truth = noisy(rng, 64, 0.1), np.full(SHAPE, 2.0)
+    halves = np.full_like(values, 1.96 * 0.2)
+    assert calibration.coverage(values, halves, truth, 0.0 * truth) == pytest.approx(0.95, abs=0.01)
+    assert calibration.coverage(values, 0.5 * halves, truth, 0.0 * truth) < 0.75
+    # A reference that is as uncertain counts as the bar does.
+    other = noisy(rng, 64, 0.1)
+    both = calibration.coverage(values, halves, other, halves)
+    assert both == pytest.approx(0.95, abs=0.01)
+
+
+def test_the_true_error_is_the_quantile_over_renders(rng: np.random.Generator) -> None:
+    truth = np.full(SHAPE, 2.0)
+    values = noisy(rng, 64, 0.1)
+    assert calibration.true_error(values, truth, 0.0 * truth) == pytest.approx(0.196, rel=0.12)
+    # A pixel that is wrong in one render of fifty is not wrong in 95 of 100.
+    values[0] += 100.0
+    assert calibration.true_error(values, truth, 0.0 * truth) < 0.3
+    # What the reference does not know itself is taken off.
+    wider = calibration.true_error(values, truth, np.full(SHAPE, 0.3))
+    assert wider < calibration.true_error(values, truth, 0.0 * truth)
+
+
+def test_dark_pixels_are_relative_to_a_hundredth_of_the_mean() -> None:
+    values = np.array([[0.0, 1.0], [2.0, -1.0]])
+    assert calibration.scale(values).tolist() == [[0.005, 1.0], [2.0, 1.0]]
+
+
+def test_bias_is_that_of_the_mean(rng: np.random.Generator) -> None:
+    values, truth = 1.05 * noisy(rng, 100, 0.1), np.full(SHAPE, 2.0)
+    bias, error = calibration.bias(values, truth)
+    assert abs(bias - 0.05) < 4.0 * error < 0.01
+    assert math.isnan(calibration.bias(values[:1], truth)[1])
+
+
+def test_batches_are_samples() -> None:
+    assert calibrate.limits("16", "PATH") == {"samples": 32}
+    assert calibrate.limits("64", "PATH") == {"samples": 2560}
+    assert calibrate.limits("16", "BDPT") == {"samples": 16}
+    assert calibrate.limits("target=5", "BDPT") == {"target_error": 5.0}
+    assert calibrate.limits("time=1.5", "PATH") == {"time_limit": 1.5}
+
+
+@pytest.mark.parametrize("text", ["x", "target=0", "speed=3", "0", "16,"])
+def test_bad_rules_are_told(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError):
+        arguments.stopping_rules(text)
+
+
+@pytest.mark.parametrize("text", ["40,8", "8,8", "8,x"])
+def test_samples_of_a_progress_rise(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError):
+        arguments.rising_ints(text)
+
+
+def test_a_calibration_is_a_table() -> None:
+    row = calibrate.Row("box", "PATH", "16", 8, 32.0, 0.5, 0.951, 0.22, 0.2, 1e-3, 2e-3)
+    text = calibrate.markdown([row])
+    cells = "| `box` | `path` | 16 | 32 | 95.1 | 22 % | 20 % | 1.10 | +0.10 ± 0.20 |"
+    assert text.splitlines()[-1] == cells
+
+
+def test_the_time_to_an_error_goes_with_its_square(rng: np.random.Generator) -> None:
+    truth = np.full(SHAPE, 2.0)
+
+    def run(values: calibration.Array) -> CoreRender:
+        return CoreRender(values, 0.0 * truth, 0.1, 16.0, 3.0, "time", "PATH", "")
+
+    runs = [run(values) for values in noisy(rng, 64, 0.1)]
+    at_once = methods.seconds_to(0.2, runs, run(truth))
+    assert at_once == pytest.approx(3.0, rel=0.25)
+    assert methods.seconds_to(0.1, runs, run(truth)) == pytest.approx(4.0 * at_once)
+
+
+def test_a_choice_is_compared_with_the_best() -> None:
+    row = methods.Row("box", {"PATH": 2.0, "BDPT": 3.0}, "BDPT", "so")
+    assert row.best == "PATH"
+    assert row.ratio == pytest.approx(1.5)
+    assert "| `box` | 2 | 3 | `bdpt` | 1.50 |" in methods.methods_table([row])
+    adaptive = methods.Adaptive("box", 5.0, 3.0, 6.0, 0.05, 0.05)
+    assert "| `box` | 5 % | 3 | 6 | 0.50 |" in methods.adaptive_table([adaptive])
+
+
+def test_steps_of_a_progress_tell_time_and_error() -> None:
+    def step(samples: float, error: float) -> Render:
+        return Render(0, 2.0, 2.0, 2.0, 0.1, 0.2, 1.5, samples, 1, 1, 0, error)
+
+    lines = progress_page.captions([step(8, math.inf), step(40, 0.123)])
+    assert lines == [
+        "8 samples per pixel, 1.5 s, error unknown",
+        "40 samples per pixel, 3.0 s, error 12 %",
+    ]

@@ -45,11 +45,11 @@ Result camera_rays(nb::handle handle, const Rows2& raster, const Rows2& u_lens) 
 }
 
 // Points are in camera space. Columns: valid, lens point (3, camera space), raster (2),
-// distance, importance (We / pdf), pdf.
+// distance, importance (We / pdf), pdf, pdf_across.
 Result camera_connections(nb::handle handle, const Rows3& points, const Rows2& u_lens) {
   const auto scene = scene_of(handle);
   const Camera& camera = *scene->camera;
-  const Table table(points.shape(0), 9);
+  const Table table(points.shape(0), 10);
   for (size_t i = 0; i < table.rows(); ++i) {
     const auto c =
         camera.connect(camera.position() + camera.from_camera(vec3(points, i)), vec2(u_lens, i));
@@ -61,6 +61,7 @@ Result camera_connections(nb::handle handle, const Rows3& points, const Rows2& u
     write(camera.to_camera(c->p_lens - camera.position()), out + 1);
     out[4] = c->raster.x, out[5] = c->raster.y;
     out[6] = c->distance, out[7] = c->importance, out[8] = c->pdf;
+    out[9] = camera.pdf_across(-dot(c->wi, camera.axis()), c->distance);
   }
   return table.release();
 }

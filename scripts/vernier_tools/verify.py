@@ -44,7 +44,7 @@ HARD_REFERENCES = {
 #: The bias that is let pass, relative to a block: light that is gathered is blurred over its edges.
 BIAS = {"vcm": 0.01, "sppm": 0.02, "photon": 0.1}
 #: The scene whose light is beyond paths that are joined: those may find too little of it, no more.
-FOUND_BY_CHANCE = {"pool": {"path", "light", "bdpt", "pssmlt", "mmlt", "mlt"}}
+FOUND_BY_CHANCE = {"pool": {"path", "bdpt", "pssmlt", "mmlt", "mlt"}}
 #: Fewer pictures of what costs most before the first sample: each has photon maps of its own.
 MOST_PICTURES = {"photon": 6}
 #: Samples of the reference for each of a picture's.

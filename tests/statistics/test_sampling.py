@@ -199,3 +199,36 @@ def test_connection_density(name: str, rng: np.random.Generator) -> None:
     shape = {"thin lens": np.pi * 0.09, "blades": 2.5 * np.sin(2 * np.pi / 5) * 0.09}
     expected = shape.get(name, np.pi * 0.04 * (2.4 / 2.0) ** 2)
     assert area == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_the_density_across_rays(name: str, rng: np.random.Generator) -> None:
+    """Rays of one lens point, where they cross a plane aslant: pdf_across times its cosine."""
+    scene = camera_scene(name)
+    count, cells, fine = 200_000, (16, 12), 32
+    normal = np.array([0.4, -0.3, 1.0]) / np.sqrt(1.25)
+    right = np.cross([0.0, 1.0, 0.0], normal) / np.hypot(normal[0], normal[2])
+    up = np.cross(normal, right)
+    middle = np.array([0.0, 0.0, -3.0])
+    u = np.array([[0.3, 0.8]], np.float32)
+    raster = (rng.random((count, 2)) * [40, 30]).astype(np.float32)
+    rays = probe.camera_rays(scene, raster, np.repeat(u, count, 0)).astype(float)
+    along = ((middle - rays[:, :3]) @ normal) / (rays[:, 3:6] @ normal)
+    crossing = rays[:, :3] + along[:, None] * rays[:, 3:6] - middle
+    x, y = crossing @ right, crossing @ up
+    edges = [np.linspace(v.min(), v.max(), n + 1) for v, n in zip((x, y), cells, strict=True)]
+    observed = np.histogram2d(x, y, bins=edges)[0]
+
+    a, b = (
+        e[0] + (e[-1] - e[0]) * (np.arange(n * fine) + 0.5) / (n * fine)
+        for e, n in zip(edges, cells, strict=True)
+    )
+    points = middle + a[:, None, None] * right + b[None, :, None] * up
+    flat = points.reshape(-1, 3).astype(np.float32)
+    rows = probe.camera_connections(scene, flat, np.repeat(u, len(flat), 0)).astype(float)
+    aslant = abs((flat - rows[:, 1:4]) @ normal) / np.where(rows[:, 0] > 0, rows[:, 6], 1.0)
+    density = np.where(rows[:, 0] > 0, rows[:, 9] * aslant, 0.0)
+    mass = density.reshape(cells[0], fine, cells[1], fine).sum(axis=(1, 3))
+    mass *= (a[1] - a[0]) * (b[1] - b[0])
+    assert mass.sum() == pytest.approx(1.0, rel=2e-3)
+    assert_chi_squared(observed, mass / mass.sum() * count)

@@ -1,4 +1,5 @@
 // Probes of the mutations of whole paths: chains of one mutation alone, and the densities of paths.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
@@ -8,7 +9,9 @@
 #include <stdexcept>
 
 #include "bindings/bind.h"
+#include "bindings/table.h"
 #include "metropolis/path_explorer.h"
+#include "metropolis/seed_pool.h"
 #include "paths/technique_pdfs.h"
 
 namespace nb = nanobind;
@@ -53,22 +56,39 @@ double mutate(const std::string& name, PathSpace& space, const PathState& from, 
   throw std::invalid_argument("there is no mutation named " + name);
 }
 
-// The chain's first path.
-void begin(const RenderContext& context, RenderStats& stats, uint64_t seed,
-           MarkovChain<PathState>& chain) {
-  PathExplorer explorer(context, stats);
-  Pcg32 rng(seed);
-  for (uint32_t i = 0; chain.current.v.empty(); ++i) {
-    chain.current.clear();
+// A chain of mutations of whole paths, from its first path on.
+struct MutationChain {
+  const Ground ground;
+  RenderStats stats;
+  const RenderContext context;
+  PathSpace space;
+  MarkovChain<PathState> chain;
+
+  MutationChain(nb::handle handle, const std::map<std::string, SettingValue>& values, uint64_t seed)
+      : ground(handle, values), context(ground.context()), space(context, stats) {
+    PathExplorer explorer(context, stats);
     PrimaryEvaluator evaluator(context, stats, true);
+    Pcg32 rng(seed);
     Contribution sample;
-    const SobolSampler source(0, 0, i, 16, seed);
-    evaluator.sample(source, sample);
-    if (sample.target > 0.0) {
-      explorer.start(source, rng, chain);
+    for (uint32_t i = 0; chain.current.v.empty(); ++i) {
+      chain.current.clear();
+      const SobolSampler source(0, 0, i, 16, seed);
+      evaluator.sample(source, sample);
+      if (sample.target > 0.0) {
+        explorer.start(source, rng, chain);
+      }
     }
+    space.seed(Pcg32(hash64(seed)));
   }
-}
+
+  // One step of the mutation of this name; true: it was accepted.
+  template <class Record>
+  bool step(const std::string& name, const Record& record) {
+    const double log_ratio = mutate(name, space, chain.current, chain.proposed);
+    const double ratio = std::isfinite(log_ratio) ? std::exp(std::min(log_ratio, 700.0)) : 0.0;
+    return metropolis_step(chain, ratio, space.random(), record);
+  }
+};
 
 // A chain of `steps` mutations, of which every second is the one that is named and the others are
 // new paths. Visits by number of surfaces (up to `longest`) and by cells of the frame, `side` to a
@@ -76,15 +96,9 @@ void begin(const RenderContext& context, RenderStats& stats, uint64_t seed,
 nb::dict mutation_chain(nb::handle handle, const std::map<std::string, SettingValue>& values,
                         const std::string& name, uint64_t steps, uint64_t seed, int side,
                         int longest) {
-  const Ground ground(handle, values);
-  RenderStats stats;
-  const RenderContext context = ground.context();
-  MarkovChain<PathState> chain;
-  begin(context, stats, seed, chain);
-  PathSpace space(context, stats);
-  space.seed(Pcg32(hash64(seed)));
+  MutationChain chain(handle, values, seed);
   std::vector<double> visits(static_cast<size_t>(side * side * longest));
-  const FilmDesc& film = context.scene.film;
+  const FilmDesc& film = chain.context.scene.film;
   const auto record = [&](const PathState& path, double count) {
     const auto cell = [&](float at, int size) {
       return std::clamp(static_cast<int>(at / static_cast<float>(size) * static_cast<float>(side)),
@@ -97,13 +111,11 @@ nb::dict mutation_chain(nb::handle handle, const std::map<std::string, SettingVa
   uint64_t tried = 0, accepted = 0;
   for (uint64_t i = 0; i < steps; ++i) {
     const bool own = i % 2 == 0;
-    double ratio = mutate(own ? name : "new", space, chain.current, chain.proposed);
-    ratio = std::isfinite(ratio) ? std::exp(std::min(ratio, 700.0)) : 0.0;
-    const bool moved = metropolis_step(chain, ratio, space.random(), record);
+    const bool moved = chain.step(own ? name : "new", record);
     tried += own ? 1 : 0;
     accepted += own && moved ? 1 : 0;
   }
-  end_chain(chain, record);
+  end_chain(chain.chain, record);
   nb::dict result;
   result["visits"] = visits;
   result["accepted"] = static_cast<double>(accepted) / static_cast<double>(tried);
@@ -136,25 +148,16 @@ Path plain_path(const PathSpace& space, const PathState& state) {
 // end; and by (a, b) the logarithm of the density with which the rest is grown between them.
 nb::list grown_densities(nb::handle handle, const std::map<std::string, SettingValue>& values,
                          uint64_t count, uint64_t seed) {
-  const Ground ground(handle, values);
-  RenderStats stats;
-  const RenderContext context = ground.context();
-  MarkovChain<PathState> chain;
-  begin(context, stats, seed, chain);
-  PathSpace space(context, stats);
-  space.seed(Pcg32(hash64(seed)));
+  MutationChain chain(handle, values, seed);
   nb::list result;
   const auto record = [](const PathState&, double) {};
   for (uint64_t found = 0; found < count;) {
-    double ratio =
-        mutate(found % 2 == 0 ? "new" : "bidirectional", space, chain.current, chain.proposed);
-    ratio = std::isfinite(ratio) ? std::exp(std::min(ratio, 700.0)) : 0.0;
-    if (!metropolis_step(chain, ratio, space.random(), record)) {
+    if (!chain.step(found % 2 == 0 ? "new" : "bidirectional", record)) {
       continue;
     }
     ++found;
-    const PathState& state = chain.current;
-    const SurfacePdfs pdfs = surface_pdfs(plain_path(space, state));
+    const PathState& state = chain.chain.current;
+    const SurfacePdfs pdfs = surface_pdfs(plain_path(chain.space, state));
     nb::dict row;
     row["log_camera"] = pdfs.log_camera;
     row["log_light"] = pdfs.log_light;
@@ -173,11 +176,99 @@ nb::list grown_densities(nb::handle handle, const std::map<std::string, SettingV
     nb::dict grown;
     for (size_t a = 0; a <= state.v.size(); ++a) {
       for (size_t b = 0; a + b <= state.v.size(); ++b) {
-        grown[nb::make_tuple(a, b)] = space.log_grown(state, a, b);
+        grown[nb::make_tuple(a, b)] = chain.space.log_grown(state, a, b);
       }
     }
     row["grown"] = grown;
     result.append(row);
+  }
+  return result;
+}
+
+// For each of `chains` chains of `length` mutations, started as a render starts them, the longest
+// run of mutations that were all rejected.
+template <class Explorer>
+std::vector<uint64_t> longest_rejections(const Ground& ground, uint32_t chains, uint64_t length,
+                                         uint64_t seed) {
+  RenderStats stats;
+  const RenderContext context = ground.context();
+  Batch batch;
+  batch.samples = chains;
+  batch.seed = seed;
+  SeedPool<Explorer> pool(context, batch);
+  for (int stage = 0; stage < pool.stages(); ++stage) {
+    for (size_t job = 0; job < pool.jobs(stage); ++job) {
+      pool.run(stage, job, context, stats);
+    }
+  }
+  Explorer explorer(context, stats);
+  const auto large = static_cast<float>(large_steps<Explorer>(context.settings));
+  std::vector<uint64_t> longest;
+  for (uint32_t i = 0; i < chains && pool.brightness() > 0.0; ++i) {
+    MarkovChain<typename Explorer::State> chain;
+    Pcg32 rng(hash64(seed + i));
+    explorer.begin_chain(i, seed);
+    const uint32_t start =
+        pool.choose((static_cast<double>(i) + static_cast<double>(rng.next_float())) / chains);
+    explorer.start(seed_sampler(batch, pool.size(), start), rng, chain);
+    uint64_t run = 0, most = 0;
+    for (uint64_t step = 0; step < length; ++step) {
+      const double ratio = explorer.propose(chain, explorer.random() < large);
+      const auto record = [](const Contribution&, double) {};
+      if (metropolis_step(chain, ratio, explorer.random(), record)) {
+        explorer.accept();
+        run = 0;
+      } else {
+        most = std::max(most, ++run);
+      }
+    }
+    longest.push_back(most);
+  }
+  return longest;
+}
+
+std::vector<uint64_t> rejection_runs(nb::handle handle,
+                                     const std::map<std::string, SettingValue>& values,
+                                     uint32_t chains, uint64_t length, uint64_t seed) {
+  const Ground ground(handle, values);
+  switch (static_cast<IntegratorKind>(ground.settings.integrator)) {
+    case IntegratorKind::kPssmlt:
+      return longest_rejections<SampleExplorer>(ground, chains, length, seed);
+    case IntegratorKind::kMmlt:
+      return longest_rejections<TechniqueExplorer>(ground, chains, length, seed);
+    default:
+      return longest_rejections<PathExplorer>(ground, chains, length, seed);
+  }
+}
+
+DirectionLobes direction_lobes(const Rows3& axes, const std::vector<float>& weights) {
+  DirectionLobes lobes;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    lobes.add(normalize({axes(i, 0), axes(i, 1), axes(i, 2)}), weights[i]);
+  }
+  lobes.finish();
+  return lobes;
+}
+
+// u: (n, 3) in [0,1). Directions drawn from lobes about `axes` (at most 8, 3).
+std::vector<std::array<float, 3>> lobe_directions(const Rows3& axes,
+                                                  const std::vector<float>& weights,
+                                                  const Rows3& u) {
+  const DirectionLobes lobes = direction_lobes(axes, weights);
+  std::vector<std::array<float, 3>> result;
+  for (size_t i = 0; i < u.shape(0); ++i) {
+    const Vec3f w = lobes.sample(u(i, 0), {u(i, 1), u(i, 2)});
+    result.push_back({w.x, w.y, w.z});
+  }
+  return result;
+}
+
+std::vector<double> lobe_density(const Rows3& axes, const std::vector<float>& weights,
+                                 const Rows3& directions) {
+  const DirectionLobes lobes = direction_lobes(axes, weights);
+  std::vector<double> result;
+  for (size_t i = 0; i < directions.shape(0); ++i) {
+    result.push_back(lobes.pdf(normalize({directions(i, 0), directions(i, 1), directions(i, 2)})));
   }
   return result;
 }
@@ -189,6 +280,10 @@ void bind_mutation_probes(nb::module_& m) {
         nb::arg("steps"), nb::arg("seed"), nb::arg("side"), nb::arg("longest"));
   m.def("grown_densities", &grown_densities, nb::arg("scene"), nb::arg("settings"),
         nb::arg("count"), nb::arg("seed"));
+  m.def("rejection_runs", &rejection_runs, nb::arg("scene"), nb::arg("settings"), nb::arg("chains"),
+        nb::arg("length"), nb::arg("seed"));
+  m.def("lobe_directions", &lobe_directions, nb::arg("axes"), nb::arg("weights"), nb::arg("u"));
+  m.def("lobe_density", &lobe_density, nb::arg("axes"), nb::arg("weights"), nb::arg("directions"));
 }
 
 }  // namespace vernier

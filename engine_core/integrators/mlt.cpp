@@ -19,7 +19,17 @@ Kernel mlt_kernel(const Settings& settings, const Requirements& requirements, Pa
     why = "bounces are limited by kind";
   }
   if (why.empty()) {
-    return metropolis_kernel<PathExplorer>(settings, requirements, passes);
+    Kernel kernel = metropolis_kernel<PathExplorer>(settings, requirements, passes);
+    const bool direct = settings.separate_direct == 0 && settings.clamp_direct > 0.0;
+    if (direct || settings.clamp_indirect > 0.0) {
+      kernel.notes.push_back(
+          std::string("Metropolis Light Transport does not clamp the light of its chains: ") +
+          (direct && settings.clamp_indirect > 0.0 ? "Clamp Direct and Clamp Indirect have"
+           : direct                                ? "Clamp Direct has"
+                                                   : "Clamp Indirect has") +
+          " no effect on it");
+    }
+    return kernel;
   }
   Kernel kernel = metropolis_kernel<TechniqueExplorer>(settings, requirements, passes);
   kernel.notes.insert(

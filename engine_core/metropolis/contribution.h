@@ -27,6 +27,21 @@ struct Contribution {
     splats.clear();
     target = independent_target = 0;
   }
+  // The number of the splat that u in [0,1) chooses, in proportion to their targets. There is one
+  // where the target is not 0.
+  size_t choose(float u) const {
+    double left = static_cast<double>(u) * target;
+    size_t chosen = 0;
+    for (size_t i = 0; i < splats.size(); ++i) {
+      if (splats[i].target > 0.0) {
+        chosen = i;
+        if ((left -= splats[i].target) < 0.0) {
+          break;
+        }
+      }
+    }
+    return chosen;
+  }
   // `worth` 0: chains do not explore it.
   void add(Vec2f raster, Color color, float worth, int s, int t) {
     const float y = luminance(color);

@@ -17,6 +17,8 @@ constexpr double kUnseen = 0.25;
 // found no light.
 constexpr double kPilotPart = 1.0 / 32.0;
 constexpr int kLeastLog2 = 10, kMostLog2 = 14, kPatientLog2 = 18;
+// The guide's paths: this part of the render's samples, within these limits.
+constexpr double kGuidePart = 1.0 / 16.0, kLeastGuide = 1 << 12, kMostGuide = 1 << 18;
 // What is darker than this part of the picture's mean is worth no more.
 constexpr double kDark = 0.2;
 
@@ -94,6 +96,18 @@ std::vector<double> blurred(const std::vector<double>& cells) {
     }
   }
   return result;
+}
+
+}  // namespace
+
+namespace {
+
+// Whether a direction may be drawn at a rough surface without a lobe: what comes after must not
+// depend on which one it was.
+bool may_guide(const RenderContext& context) {
+  const Requirements& scene = context.scene.requirements;
+  return scene.singular_lobes && !scene.path_dependent && !scene.uneven_visibility &&
+         !BounceLimits::by_kind(context.settings);
 }
 
 }  // namespace
@@ -206,8 +220,13 @@ std::unique_ptr<const Plan> make_metropolis_plan(const RenderContext& context, u
   const double samples = static_cast<double>(film.crop[2] - film.crop[0]) *
                          static_cast<double>(film.crop[3] - film.crop[1]) *
                          context.settings.samples;
-  Findings found(least);
   const uint64_t own_seed = hash64(seed ^ 0x6d6c74u);
+  if (may_guide(context)) {
+    plan->caustics = CausticGuide(
+        pilot, plan->guide, hash64(own_seed ^ 0x67756964u),
+        static_cast<uint32_t>(std::clamp(samples * kGuidePart, kLeastGuide, kMostGuide)), stats);
+  }
+  Findings found(least);
   uint32_t done = 0;
   for (int log2 =
            std::clamp(std::ilogb(std::max(samples * kPilotPart, 1.0)), kLeastLog2, kMostLog2);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "bidirectional/plan.h"
+#include "metropolis/caustic_guide.h"
 
 namespace vernier {
 
@@ -62,6 +63,7 @@ struct MetropolisPlan : BidirectionalPlan {
   bool black = false;  // there is not even light that these find
   LengthChoice lengths;
   WorthMap worth;
+  CausticGuide caustics;
 
   std::string nothing() const override;
 };

@@ -67,17 +67,7 @@ bool take_path(PathSpace& space, const FoundPath& found, const BidirectionalMemo
 double PathExplorer::start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain) {
   evaluator_.sample(source, sample_);
   space_.seed(Pcg32(rng.next()));
-  double left = static_cast<double>(rng.next_float()) * sample_.target;
-  size_t chosen = 0;
-  for (size_t i = 0; i < sample_.splats.size(); ++i) {
-    if (sample_.splats[i].target > 0.0) {
-      chosen = i;
-      left -= sample_.splats[i].target;
-      if (left < 0.0) {
-        break;
-      }
-    }
-  }
+  const size_t chosen = sample_.choose(rng.next_float());
   PathState& at = chain.current;
   size_t count = 0;
   bool taken = false;

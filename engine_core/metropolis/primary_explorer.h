@@ -7,6 +7,7 @@
 
 #include "bidirectional/tracer.h"
 #include "metropolis/contribution.h"
+#include "metropolis/guided_paths.h"
 #include "metropolis/metropolis_plan.h"
 #include "metropolis/metropolis_step.h"
 #include "metropolis/primary_sample.h"
@@ -38,6 +39,10 @@ class FilmSpace {
   double share_;
 };
 
+// The technique that goes by the guide, as a splat names it: s, and the number of vertices less s
+// for t.
+inline constexpr int kGuidedTechnique = -1;
+
 // Collects what a tracer finds.
 template <class Hook>
 struct SplatObserver {
@@ -45,13 +50,21 @@ struct SplatObserver {
   const MetropolisPlan& plan;
   const FilmSpace& film;
   const LightSampler* held;  // null: chains explore all paths; else those that PathSpace holds
-  Hook& hook;                // told of every splat
-  Vec2f raster;              // of the camera's path
-  float camera_scale;        // of what it finds
-  float scale;               // of all
+  const GuidedPaths& guided;
+  const Subpath& camera_path;
+  Hook& hook;          // told of every splat
+  Vec2f raster;        // of the camera's path
+  float camera_scale;  // of what it finds
+  float scale;         // of all
 
   void emitted(const EmissionSample&) {}
-  void found(const FoundPath& path);
+  void found(const FoundPath& path) {
+    const float left = guided.any() ? guided.left(camera_path, path) : 1.0f;
+    add(path, left, path.s, path.t);
+  }
+  // By the guide: a technique of its own.
+  void went_on(const FoundPath& path) { add(path, 1.0f, kGuidedTechnique, path.t + 1); }
+  void add(const FoundPath& path, float part, int s, int t);
 };
 
 struct NoHook {
@@ -66,18 +79,24 @@ inline bool holds_paths(const LightSampler& lights, uint32_t light) {
 }
 
 template <class Hook>
-void SplatObserver<Hook>::found(const FoundPath& path) {
+void SplatObserver<Hook>::add(const FoundPath& path, float part, int s, int t) {
   const Vec2f where = path.t == 1 ? path.raster : raster;
   if (!film.contains(where)) {
     return;  // it reaches no pixel
   }
   const bool explored = held == nullptr || holds_paths(*held, path.light);
   const size_t before = out.splats.size();
-  out.add(where, path.contribution * (path.t == 1 ? scale : camera_scale),
-          explored ? plan.worth(where) : 0.0f, path.s, path.t);
+  out.add(where, path.contribution * (part * (path.t == 1 ? scale : camera_scale)),
+          explored ? plan.worth(where) : 0.0f, s, t);
   if (out.splats.size() > before) {
     hook(path);
   }
+}
+
+// Chains of whole paths count each by what it carries: nothing is clamped.
+inline Settings unclamped(Settings settings) {
+  settings.clamp_direct = settings.clamp_indirect = 0.0;
+  return settings;
 }
 
 // Evaluates whole bidirectional samples: the independent ones of all Metropolis methods.
@@ -85,11 +104,14 @@ class PrimaryEvaluator {
  public:
   // `whole_paths`: chains hold paths themselves, and not the numbers that they are made from.
   PrimaryEvaluator(const RenderContext& context, RenderStats& stats, bool whole_paths = false)
-      : context_(context),
+      : settings_(whole_paths ? unclamped(context.settings) : context.settings),
+        context_{context.scene,     settings_,    context.filter,
+                 context.cancelled, context.plan, context.light_pass},
         stats_(stats),
         plan_(static_cast<const MetropolisPlan&>(*context.plan)),
         held_(whole_paths ? context.scene.lights.get() : nullptr),
         film_(context.scene.film, context.filter),
+        guided_(context_, plan_.caustics),
         techniques_(context.settings, context.scene.requirements) {
     techniques_.least = least_chain_vertices(context.settings);
     techniques_.only_s = techniques_.only_t = -1;
@@ -101,7 +123,7 @@ class PrimaryEvaluator {
   template <class Hook = NoHook>
   void sample(const SobolSampler& source, Contribution& out, Hook&& hook = {}) {
     samples_.begin(source);
-    evaluate(techniques_, 1.0, out, hook);
+    evaluate(techniques_, 1.0, out, true, hook);
     out.independent_target = out.target;
   }
 
@@ -109,13 +131,18 @@ class PrimaryEvaluator {
   // share.
   void begin_chain(uint64_t /*number*/, uint64_t /*seed*/) {}
 
+  PrimaryEvaluator(const PrimaryEvaluator&) = delete;
+  PrimaryEvaluator& operator=(const PrimaryEvaluator&) = delete;
+
   // The path that the camera and the light have made last.
   const BidirectionalMemory& memory() const { return memory_; }
 
  protected:
-  // Evaluates the proposal; what is found counts `scale` times.
+  // Evaluates the proposal; what is found counts `scale` times. `go_on`: the guide's technique is
+  // one of them, for paths of `length` vertices (-1: any).
   template <class Hook = NoHook>
-  void evaluate(const TechniqueSet& techniques, double scale, Contribution& out, Hook&& hook = {}) {
+  void evaluate(const TechniqueSet& techniques, double scale, Contribution& out, bool go_on,
+                Hook&& hook = {}, int length = -1) {
     out.clear();
     const PrimarySampler sampler(samples_);
     const Camera& camera = *context_.scene.camera;
@@ -124,6 +151,8 @@ class PrimaryEvaluator {
                       plan_,
                       film_,
                       held_,
+                      guided_,
+                      memory_.camera,
                       hook,
                       {},
                       static_cast<float>(scale * film_.share()),
@@ -139,30 +168,48 @@ class PrimaryEvaluator {
     BidirectionalTracer<BidirectionalFeatures{false, true}, Observer, PrimarySampler>(
         context_, sampler, stats_, nullptr, no_passes, memory_, observer, techniques)
         .run(ray);
+    if (go_on && guided_.any()) {
+      guided_.make(memory_.camera, sampler, stats_, length,
+                   [&](const FoundPath& path) { observer.went_on(path); });
+    }
     ++stats_.camera_paths;
   }
 
-  const RenderContext& context_;
+  const Settings settings_;
+  const RenderContext context_;
   RenderStats& stats_;
   const MetropolisPlan& plan_;
   const LightSampler* held_;
   const FilmSpace film_;
+  const GuidedPaths guided_;
   TechniqueSet techniques_;  // of whole samples
   BidirectionalMemory memory_;
   PrimarySamples samples_;
 };
 
-// Chains of whole samples.
-class SampleExplorer : public PrimaryEvaluator {
+// What chains in primary-sample space have in common.
+class PrimaryExplorer : public PrimaryEvaluator {
  public:
   using State = Contribution;
-  // Whether large steps are samples as independent as those of the pool.
-  static constexpr bool kIndependentSteps = true;
   static constexpr bool kWholePaths = false;
   // Measured by error at equal time, where light comes through a door left ajar and from fixtures.
   static constexpr double kPoolShare = 0.25, kLargeSteps = 0.25;
 
   using PrimaryEvaluator::PrimaryEvaluator;
+
+  // Starts to draw independent points alone.
+  void start(Pcg32& rng) { samples_.seed(rng.next()); }
+  float random() { return samples_.random(); }
+};
+
+// Chains of whole samples.
+class SampleExplorer : public PrimaryExplorer {
+ public:
+  // Whether large steps are samples as independent as those of the pool.
+  static constexpr bool kIndependentSteps = true;
+
+  using PrimaryExplorer::PrimaryExplorer;
+  using PrimaryExplorer::start;
 
   // Starts a chain at the independent sample of `source`, by replaying it, and returns that
   // sample's target. The numbers of the chain's mutations come from `rng`, as does a choice among
@@ -173,19 +220,16 @@ class SampleExplorer : public PrimaryEvaluator {
     samples_.seed(rng.next());
     return chain.current.target;
   }
-  // Starts to draw independent points alone.
-  void start(Pcg32& rng) { samples_.seed(rng.next()); }
 
   // Proposes a mutation; the ratio of the densities of the way back and there is returned. `large`:
   // the proposal does not depend on where the chain is.
   double propose(MarkovChain<State>& chain, bool large) {
     samples_.propose(large);
-    evaluate(techniques_, 1.0, chain.proposed);
+    evaluate(techniques_, 1.0, chain.proposed, true);
     chain.proposed.independent_target = chain.proposed.target;
     return 1.0;
   }
   void accept() { samples_.accept(); }
-  float random() { return samples_.random(); }
 
   // How much of each splat is left to independent samples, of which there are `half` per unit of
   // the chain's target; see ChainShare.
@@ -201,42 +245,33 @@ class SampleExplorer : public PrimaryEvaluator {
 // Chains of single techniques: the numbers of vertices from the light and the camera are part of
 // the state. The number of all changes in large steps alone, as from one to another nothing is
 // kept.
-class TechniqueExplorer : public PrimaryEvaluator {
+class TechniqueExplorer : public PrimaryExplorer {
  public:
-  using State = Contribution;
   static constexpr bool kIndependentSteps = false;
-  static constexpr bool kWholePaths = false;
-  // Measured by error at equal time, where light comes through a door left ajar and from fixtures.
-  static constexpr double kPoolShare = 0.25, kLargeSteps = 0.25;
 
-  using PrimaryEvaluator::PrimaryEvaluator;
+  using PrimaryExplorer::PrimaryExplorer;
+  using PrimaryExplorer::start;
 
   double start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain) {
     Contribution& at = chain.current;
     sample(source, at);
     const double target = at.target;
-    // One of the techniques, in proportion to its part of the sample.
-    double left = static_cast<double>(rng.next_float()) * at.target;
-    const Splat* chosen = nullptr;
-    for (const Splat& splat : at.splats) {
-      chosen = &splat;
-      if ((left -= splat.target) < 0.0) {
-        break;
-      }
-    }
-    if (chosen != nullptr) {
-      length_ = chosen->s + chosen->t;
+    const float u = rng.next_float();
+    if (target > 0.0) {
+      // One of the techniques, in proportion to its part of the sample.
+      const Splat chosen = at.splats[at.choose(u)];
+      length_ = chosen.s + chosen.t;
       const int count = techniques_of(length_);
       samples_.begin(source);
+      const int number = chosen.s == kGuidedTechnique ? count - 1 : chosen.s;
       samples_.choose(
-          {(static_cast<float>(chosen->s) + rng.next_float()) / static_cast<float>(count), 0.0f});
+          {(static_cast<float>(number) + rng.next_float()) / static_cast<float>(count), 0.0f});
       evaluate_technique(length_, at);
       samples_.accept();
     }
     samples_.seed(rng.next());
     return target;
   }
-  void start(Pcg32& rng) { samples_.seed(rng.next()); }
 
   double propose(MarkovChain<State>& chain, bool large) {
     samples_.propose(large);
@@ -248,7 +283,6 @@ class TechniqueExplorer : public PrimaryEvaluator {
     samples_.accept();
     length_ = proposed_length_;
   }
-  float random() { return samples_.random(); }
 
   template <class Share>
   static void share_independent(const Share& share, Contribution& c) {
@@ -262,19 +296,24 @@ class TechniqueExplorer : public PrimaryEvaluator {
   }
 
  private:
-  int techniques_of(int length) const { return techniques_.light_paths ? length : 2; }
+  // The guide's comes last.
+  int techniques_of(int length) const {
+    return (techniques_.light_paths ? length : 2) + (guided_.any() ? 1 : 0);
+  }
 
   void evaluate_technique(int length, Contribution& out) {
     const int count = techniques_of(length);
     const float u = samples_.get(kChoiceDimension).x;
     const int s = std::min(static_cast<int>(u * static_cast<float>(count)), count - 1);
     TechniqueSet one = techniques_;
-    one.only_s = s;
-    one.only_t = length - s;
-    one.most_light_bounces = s - 2;
-    one.most_camera_bounces = length - s - 2;
+    const bool go_on = guided_.any() && s + 1 == count;
+    one.only_s = go_on ? 0 : s;
+    one.only_t = go_on ? std::numeric_limits<int>::max() : length - s;
+    one.most_light_bounces = go_on ? -1 : s - 2;
+    // The guide's comes at least two surfaces before the light.
+    one.most_camera_bounces = go_on ? length - 4 : length - s - 2;
     const double scale = count / plan_.lengths.probability(length);
-    evaluate(one, scale, out);
+    evaluate(one, scale, out, go_on, {}, length);
     out.independent_target = out.target / scale;
   }
 

@@ -22,6 +22,8 @@ namespace vernier {
 
 // A choice that is made before the path.
 inline constexpr uint32_t kChoiceDimension = 0xffffffffu;
+// The numbers of what goes on from a path by a guide come after those of all walks.
+inline constexpr uint32_t kFirstGuideDimension = 1u << 31;
 
 // Moves u within [0,1), around its ends, by a distance between 1/1024 and 1/16 whose logarithm is
 // uniform, to either side (Kelemen et al. 2002, section 3.2, where it ends at 1/64: measured, that
@@ -73,6 +75,9 @@ class PrimarySamples {
     if (dimension == kChoiceDimension) {
       return read(streams_[kChoice], dimension, 0);
     }
+    if (dimension >= kFirstGuideDimension) {
+      return read(streams_[kGuide], dimension, dimension - kFirstGuideDimension);
+    }
     return dimension >= kFirstLightDimension
                ? read(streams_[kLight], dimension, dimension - kFirstLightDimension)
                : read(streams_[kCamera], dimension, dimension);
@@ -88,7 +93,7 @@ class PrimarySamples {
     std::vector<Coordinate> coordinates;
     std::vector<uint32_t> touched;  // those that the proposal has read
   };
-  enum : size_t { kCamera, kLight, kChoice, kStreams };
+  enum : size_t { kCamera, kLight, kGuide, kChoice, kStreams };
 
   void begin_proposal(const SobolSampler* source, bool large) {
     source_ = source;

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import pytest
 from bidirectional_scenes import CAMERAS, EXTRAS, LIGHTS, MATERIALS, NOT_EMITTED, build
+from method_pictures import Builder, MethodPictures
 from scenes import SceneBuilder, box, diffuse, pictures, placed, quad
-from statistics_tools import Array, assert_equal_means
+from statistics_tools import assert_equal_means
 
 SEEDS = 8
 SAMPLES = {"PATH": 128, "BDPT": 64, "LIGHT": 128}
@@ -22,8 +22,6 @@ CAMERA_S_OWN = {"light_path_diffuse", "light_path_clear", "light_path_sheet", "c
 #: Lamps within which surfaces lie: those see it from inside.
 AROUND_SURFACES = {"point_soft_near", "point_hard_near"}
 
-Builder = Callable[[], Any]
-
 SCENES: dict[str, Builder] = {
     **{f"material {name}": partial(build, name, "many") for name in MATERIALS},
     **{f"light {name}": partial(build, "principled", name) for name in LIGHTS},
@@ -32,14 +30,8 @@ SCENES: dict[str, Builder] = {
 }
 
 
-def shots(name: str, integrator: str, **settings: Any) -> Array:
-    samples = SAMPLES[integrator]
-    return pictures(SCENES[name](), SEEDS, integrator=integrator, samples=samples, **settings)
-
-
-@cache
-def reference(name: str) -> Array:
-    return shots(name, "PATH", max_bounces=5)
+METHOD_PICTURES = MethodPictures(SCENES, SAMPLES, SEEDS)
+shots, reference = METHOD_PICTURES.shots, METHOD_PICTURES.reference
 
 
 @pytest.mark.parametrize("name", SCENES)

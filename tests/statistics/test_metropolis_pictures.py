@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 from bidirectional_scenes import LIGHTS, MATERIALS, build, scaled
-from scenes import Array, SceneBuilder, diffuse, pictures, placed, quad, render
+from method_pictures import Builder, MethodPictures
+from scenes import SceneBuilder, diffuse, look_at, pictures, placed, quad, render
 from statistics_tools import assert_equal_means
 
 import engine_core
@@ -18,7 +18,7 @@ METHODS = ["PSSMLT", "MMLT", "MLT"]
 SEEDS = 8
 SAMPLES = {"PATH": 64, "PSSMLT": 24, "MMLT": 48, "MLT": 48}
 
-SCENES: dict[str, Callable[[], Any]] = {
+SCENES: dict[str, Builder] = {
     **{
         f"material {name}": partial(build, name, "many")
         for name in ("diffuse", "rough_glass", "glass", "diffuse_and_mirror", "half_clear",
@@ -37,14 +37,8 @@ SCENES: dict[str, Callable[[], Any]] = {
 }  # fmt: skip
 
 
-def shots(name: str, integrator: str, **settings: Any) -> Array:
-    samples = SAMPLES[integrator]
-    return pictures(SCENES[name](), SEEDS, integrator=integrator, samples=samples, **settings)
-
-
-@cache
-def reference(name: str) -> Array:
-    return shots(name, "PATH", max_bounces=5)
+METHOD_PICTURES = MethodPictures(SCENES, SAMPLES, SEEDS)
+shots, reference = METHOD_PICTURES.shots, METHOD_PICTURES.reference
 
 
 def test_scenes_are_named_as_they_are() -> None:
@@ -127,10 +121,30 @@ def test_a_black_frame_ends_at_once_and_says_so(method: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_one_pixel(method: str) -> None:
+def test_one_mutation(method: str) -> None:
+    """A pixel of one sample: its chain has no other step than from the seed to one proposal."""
     path = pictures(build("diffuse", "area", size=(1, 1)), 16, samples=256)
     one = pictures(build("diffuse", "area", size=(1, 1)), 64, integrator=method, samples=1)
     assert_equal_means(path, one, block=1)
+
+
+def one_family() -> SceneBuilder:
+    """A floor that a lamp lights off a mirror alone: paths of one length and one technique."""
+    scene = SceneBuilder((16, 16))
+    scene.add(quad((-1, -1, 0), (2, 0, 0), (0, 2, 0)), diffuse(0.7))
+    scene.add(quad((-1, 1.2, 0), (2, 0, 0), (0, 0, 2)), MATERIALS["mirror"])
+    lamp = look_at((0, -0.6, 1.0), (0, 1.2, 1.0))
+    scene.light("SPOT", transform=lamp, emission=(20.0,) * 3, radius=0.2, spot_angle=0.8)
+    scene.camera((0, -3, 2.5), (0, 0, 0), fov=35)
+    return scene
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_one_family_of_paths(method: str) -> None:
+    path = pictures(one_family(), SEEDS, samples=512, max_bounces=1)
+    made = pictures(one_family(), SEEDS, integrator=method, samples=48, max_bounces=1)
+    assert path.mean() > 0
+    assert_equal_means(path, made)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])

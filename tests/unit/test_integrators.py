@@ -94,3 +94,13 @@ def test_what_is_left_out_is_named(integrator: str) -> None:
     (uneven,) = notes(hidden, integrator=integrator)
     assert "hidden" in uneven
     assert notes(hidden, integrator="PATH", diffuse_bounces=2) == []
+
+
+def test_what_chains_do_not_clamp_is_named() -> None:
+    assert notes(integrator="MLT") == []
+    (clamped,) = notes(integrator="MLT", clamp_indirect=2.0)
+    assert "Clamp Indirect has no effect" in clamped
+    assert notes(integrator="MLT", clamp_direct=2.0) == []
+    (both,) = notes(integrator="MLT", clamp_direct=2.0, clamp_indirect=2.0, separate_direct=0)
+    assert "Clamp Direct and Clamp Indirect have no effect" in both
+    assert notes(integrator="PSSMLT", clamp_indirect=2.0) == []

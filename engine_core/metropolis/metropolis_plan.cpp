@@ -18,7 +18,7 @@ constexpr double kUnseen = 0.25;
 constexpr double kPilotPart = 1.0 / 32.0;
 constexpr int kLeastLog2 = 10, kMostLog2 = 14, kPatientLog2 = 18;
 // The guide's paths: this part of the render's samples, within these limits.
-constexpr double kGuidePart = 1.0 / 16.0, kLeastGuide = 1 << 12, kMostGuide = 1 << 18;
+constexpr double kGuidePart = 1.0 / 16.0, kLeastGuide = 1 << 14, kMostGuide = 1 << 18;
 // What is darker than this part of the picture's mean is worth no more.
 constexpr double kDark = 0.2;
 

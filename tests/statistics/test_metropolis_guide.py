@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bidirectional_scenes import MATERIALS, checkered, clear, constant_mix, glass
-from scenes import SceneBuilder, background, emission, pictures, quad, sphere
+from scenes import Array, SceneBuilder, background, emission, pictures, quad, sphere
 from statistics_tools import assert_chi_squared, assert_equal_means
 
 import engine_core
@@ -73,25 +73,33 @@ def test_no_start_up_bias(method: str) -> None:
 
 
 def test_small_lights_are_found() -> None:
-    """A sun that BSDFs meet once in ten thousand times: the guide's pictures are of one mind."""
+    """A sun that BSDFs meet once in ten thousand times, so that other methods do not see it."""
     scene = pool(sun_angle=0.01)
 
-    def spread(**settings: Any) -> float:
-        images = pictures(scene, 6, samples=16, max_bounces=4, **settings).mean(axis=-1)
-        return float(np.median(images.std(axis=0, ddof=1)) / images.mean())
+    def means(integrator: str) -> Array:
+        made = pictures(scene, 6, integrator=integrator, samples=16, max_bounces=4)
+        return np.array(made.mean(axis=(1, 2, 3)))
 
-    assert spread(integrator="MLT") < 0.5
-    assert spread(integrator="PSSMLT") < 0.5
+    without = means("BDPT").mean()
+    for method in METHODS:
+        found = means(method)
+        assert found.std(ddof=1) < 0.6 * found.mean()
+        assert found.mean() > 3 * without
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_chains_do_not_stick(method: str) -> None:
     """A start that only rare chance finds weighs so much that nothing near it is accepted."""
     scene = engine_core.compile(pool(sun_angle=0.005).description, threads=1)
-    settings = {"integrator": method, "threads": 1, "max_bounces": 6}
-    runs = np.array(probe.rejection_runs(scene, settings, 300, 256, 3))
-    print(method, np.quantile(runs, [0.5, 0.9, 0.95, 0.99, 1.0]))
-    assert np.quantile(runs, 0.95) < 200
+
+    def longest_rejections(**settings: Any) -> Array:
+        settings = {"integrator": method, "threads": 1, "max_bounces": 6, **settings}
+        return np.array(probe.rejection_runs(scene, settings, 300, 256, 3), np.float64)
+
+    assert np.quantile(longest_rejections(), 0.95) < 160
+    if method != "MLT":
+        # Limits by kind leave such paths to chance. (Changes of paths themselves go on from there.)
+        assert np.median(longest_rejections(diffuse_bounces=100)) == 256
 
 
 @pytest.mark.parametrize("count", [1, 2, 8])

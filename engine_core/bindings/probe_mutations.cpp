@@ -250,7 +250,7 @@ DirectionLobes direction_lobes(const Rows3& axes, const std::vector<float>& weig
   return lobes;
 }
 
-// u: (n, 3) in [0,1). Directions drawn from lobes about `axes` (at most 8, 3).
+// u: (n, 3) in [0,1). Directions drawn from lobes about `axes` (at most 24, 3).
 std::vector<std::array<float, 3>> lobe_directions(const Rows3& axes,
                                                   const std::vector<float>& weights,
                                                   const Rows3& u) {

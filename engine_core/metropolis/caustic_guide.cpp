@@ -13,8 +13,8 @@ namespace {
 
 // The first paths: if they find no caustic there is none worth guiding to.
 constexpr uint32_t kTrial = 1u << 12;
-// Squared angles: of lobes without neighbours, and the least that stored directions resolve.
-constexpr float kLoneWidth = 2.5e-3f, kLeastWidth = 1e-6f;
+// Squared angles: of lobes without neighbours, and the least of all.
+constexpr float kLoneWidth = 2.5e-3f, kLeastWidth = 1e-5f;
 // Cosine between normals of surfaces that share photons.
 constexpr float kSameSide = 0.5f;
 

@@ -21,7 +21,7 @@ namespace vernier {
 // A density of directions at a point: a sum of lobes with heavy tails.
 class DirectionLobes {
  public:
-  static constexpr size_t kMost = 8;
+  static constexpr size_t kMost = 24;
 
   bool empty() const { return count_ == 0; }
   // All numbers in [0,1).

@@ -106,10 +106,16 @@ def markdown(rows: list[Row]) -> str:
         ratio = row.claimed / row.true if row.true else math.nan
         lines.append(
             f"| `{row.scene}` | `{row.integrator.lower()}` | {row.rule} | {row.samples:.0f} "
-            f"| {100 * row.inside:.1f} | {100 * row.claimed:.3g} % | {100 * row.true:.3g} % "
+            f"| {100 * row.inside:.1f} | {percent(row.claimed)} | {percent(row.true)} "
             f"| {ratio:.2f} | {100 * row.bias:+.2f} ± {100 * row.bias_error:.2f} |"
         )
     return "\n".join(lines) + "\n"
+
+
+def percent(value: float) -> str:
+    """Three digits, yet never an exponent."""
+    share = 100.0 * value
+    return f"{share:.3g} %" if not share >= 999.5 else f"{share:.0f} %"
 
 
 def work(options: argparse.Namespace) -> int:

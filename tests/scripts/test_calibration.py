@@ -80,6 +80,14 @@ def test_a_calibration_is_a_table() -> None:
     assert text.splitlines()[-1] == cells
 
 
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.01234, "1.23 %"), (10.8, "1080 %"), (9.996, "1000 %"), (math.inf, "inf %")],
+)
+def test_percentages_have_no_exponent(value: float, text: str) -> None:
+    assert calibrate.percent(value) == text
+
+
 def test_the_time_to_an_error_goes_with_its_square(rng: np.random.Generator) -> None:
     truth = np.full(SHAPE, 2.0)
 

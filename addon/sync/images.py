@@ -132,12 +132,15 @@ def _read_sequence(image: bpy.types.Image, frame: int, report: Report) -> Pixels
         report.warn(f'image "{image.name}": no module to read sequences; its first frame is used')
         return _read_buffer(image)
     source = OpenImageIO.ImageBuf(str(path))
-    if source.has_error or not source.spec().width:
-        return None
     eight_bit = source.spec().format == OpenImageIO.UINT8
-    data = source.get_pixels(OpenImageIO.UINT8 if eight_bit else OpenImageIO.FLOAT)
+    data = None
+    if source.spec().width and not source.has_error:
+        data = source.get_pixels(OpenImageIO.UINT8 if eight_bit else OpenImageIO.FLOAT)
+    damage = " ".join(source.geterror().split())
     if data is None:
         return None
+    if damage:
+        report.warn(f'image "{image.name}": {path.name} is damaged, and read in part ({damage})')
     pixels = np.ascontiguousarray(data[::-1])
     if not eight_bit:
         pixels = _linear_floats(image, pixels, report)

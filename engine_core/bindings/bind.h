@@ -23,6 +23,7 @@ void bind_accuracy_probes(nanobind::module_& m);
 void bind_paths_probes(nanobind::module_& m);
 void bind_spatial_probes(nanobind::module_& m);
 void bind_photons_probes(nanobind::module_& m);
+void bind_coverage_probes(nanobind::module_& m);
 void bind_metropolis_probes(nanobind::module_& m);
 void bind_mutation_probes(nanobind::module_& m);
 

@@ -2,11 +2,27 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings/bind.h"
+#include "math/memory_message.h"
+
+namespace {
+
+void translate_memory(const std::exception_ptr& error, void* /*payload*/) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::bad_alloc& e) {
+    PyErr_SetString(PyExc_MemoryError, vernier::message_of(e));
+  } catch (const std::length_error& e) {
+    PyErr_SetString(PyExc_MemoryError, vernier::message_of(e));
+  }
+}
+
+}  // namespace
 
 #define VERNIER_NB_MODULE(name, variable) NB_MODULE(name, variable)
 
 VERNIER_NB_MODULE(VERNIER_MODULE, m) {
   m.doc() = "The rendering core of Vernier, compiled for one instruction set.";
+  nanobind::register_exception_translator(translate_memory);
   vernier::bind_tables(m);
   vernier::bind_scene(m);
   vernier::bind_session(m);
@@ -22,4 +38,5 @@ VERNIER_NB_MODULE(VERNIER_MODULE, m) {
   vernier::bind_mutation_probes(probe);
   vernier::bind_spatial_probes(probe);
   vernier::bind_photons_probes(probe);
+  vernier::bind_coverage_probes(probe);
 }

@@ -46,6 +46,7 @@ nb::dict requirements(const SceneHandle& handle) {
   d["light_tree"] = r.light_tree;
   d["hidden_from_rays"] = r.hidden_from_rays;
   d["uneven_visibility"] = r.uneven_visibility;
+  d["things_in_lamps"] = r.things_in_lamps;
   d["path_dependent"] = r.path_dependent;
   return d;
 }

@@ -23,6 +23,7 @@ enum Format : int { kUint3 = 0x5003, kFloat3 = 0x9003, kFloat3x4RowMajor = 0x913
 enum SceneFlags : int { kSceneNone = 0, kSceneDynamic = 1, kSceneCompact = 2, kSceneRobust = 4 };
 enum BuildQuality : int { kBuildLow = 0, kBuildMedium = 1, kBuildHigh = 2 };
 enum DeviceProperty : int { kPropertyVersion = 0 };
+enum Error : int { kErrorNone = 0, kErrorOutOfMemory = 4 };
 
 struct alignas(16) RayHit {
   float org_x, org_y, org_z, tnear;

@@ -1,5 +1,8 @@
 #include "embree/intersector.h"
 
+#include <array>
+#include <cstdio>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -20,10 +23,28 @@ bool poll_progress(void* user, double /*fraction*/) {
   return !(*cancelled && (*cancelled)());
 }
 
+// The first error of a build. Embree tells of it from its own threads, where nothing may be thrown:
+// so what is kept needs no memory.
+struct BuildError {
+  int code = embree::kErrorNone;
+  std::array<char, 200> message{};
+
+  void throw_if_any() const {
+    if (code == embree::kErrorOutOfMemory) {
+      throw std::bad_alloc();
+    }
+    if (code != embree::kErrorNone) {
+      throw std::runtime_error("Embree error " + std::to_string(code) + ": " + message.data());
+    }
+  }
+};
+
 void remember_error(void* user, int code, const char* message) {
-  auto* error = static_cast<std::string*>(user);
-  if (error->empty()) {
-    *error = "Embree error " + std::to_string(code) + ": " + (message ? message : "no message");
+  auto* error = static_cast<BuildError*>(user);
+  if (error->code == embree::kErrorNone) {
+    error->code = code;
+    std::snprintf(error->message.data(), error->message.size(), "%s",
+                  message != nullptr ? message : "no message");
   }
 }
 
@@ -33,12 +54,17 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
                          std::span<const uint32_t> masks, int threads, bool fast_build,
                          const std::function<bool()>& cancelled)
     : lib_(embree::library()) {
-  const std::string config = threads > 0 ? "threads=" + std::to_string(threads) : "";
+  // No surface is subdivided here, so no cache of their triangles is needed: 128 MB by default, and
+  // where there is no memory for it Embree keeps a lock for which the next device waits for ever.
+  std::string config = "tessellation_cache_size=0";
+  if (threads > 0) {
+    config += ",threads=" + std::to_string(threads);
+  }
   device_ = lib_.rtcNewDevice(config.c_str());
   if (device_ == nullptr) {
-    throw std::runtime_error("Embree cannot make a device");
+    throw std::bad_alloc();  // one was made when the library was loaded: the processor is able
   }
-  std::string error;
+  BuildError error;
   lib_.rtcSetDeviceErrorFunction(device_, remember_error, &error);
   intersect1_ = lib_.rtcIntersect1;
   occluded1_ = lib_.rtcOccluded1;
@@ -102,9 +128,7 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
     if (cancelled && cancelled()) {
       throw std::runtime_error("cancelled");
     }
-    if (!error.empty()) {
-      throw std::runtime_error(error);
-    }
+    error.throw_if_any();
   } catch (...) {
     release();
     throw;

@@ -70,7 +70,7 @@ void load(const std::string& path) {
   VERNIER_EMBREE_FUNCTIONS(VERNIER_RESOLVE)
 #undef VERNIER_RESOLVE
 
-  Device device = table.rtcNewDevice("threads=1");
+  Device device = table.rtcNewDevice("threads=1,tessellation_cache_size=0");
   const ptrdiff_t version =
       device != nullptr ? table.rtcGetDeviceProperty(device, kPropertyVersion) : 0;
   if (device != nullptr) {

@@ -51,6 +51,10 @@ std::vector<std::string> describe_limits(const Settings& settings,
   } else if (BounceLimits::by_kind(settings)) {
     notes.push_back("Light Tracing limits bounces in all, not by kind");
   }
+  if (requirements.things_in_lamps) {
+    notes.push_back(
+        "Light Tracing does not light what lies within a point or spot lamp without soft falloff");
+  }
   if (requirements.singular_lobes) {
     notes.push_back("Light Tracing shows nothing on mirrors and through clear glass");
   }

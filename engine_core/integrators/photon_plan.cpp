@@ -242,6 +242,11 @@ std::vector<std::string> describe_photon_limits(const Settings& settings,
         " no photons, and light from there is direct light only: what shines through walls, on "
         "some kinds of rays only, or otherwise on each receiver has no photons that could tell");
   }
+  if (requirements.things_in_lamps) {
+    notes.push_back(
+        "A point or spot lamp without soft falloff sends no photons to what lies within it: light "
+        "from there is direct light only");
+  }
   if (BounceLimits::by_kind(settings)) {
     notes.push_back("Photons' bounces are limited in all, not by kind");
   }

@@ -190,7 +190,7 @@ EmissionPdf lamp_emission_pdf(const LightTable& table, const Lamp& lamp, Vec3f n
       return {1.0f / lamp.area, lamp.delta ? 1.0f : direction};
     case LightKind::kSun:
       return {disk_density(table.radius), lamp.delta               ? 1.0f
-                                          : sun_contains(lamp, -d) ? pdf_sun(lamp)
+                                          : sun_may_draw(lamp, -d) ? pdf_sun(lamp)
                                                                    : 0.0f};
   }
   return {};

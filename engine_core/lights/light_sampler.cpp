@@ -352,7 +352,7 @@ float LightSampler::pdf_distant(const Receiver& from, uint32_t light, Vec3f wi) 
                                    : 0.0f;
   }
   const Lamp& lamp = table_->lamp(light);
-  return sun_contains(lamp, wi) ? pdf_selection(from, light) * pdf_sun(lamp) : 0.0f;
+  return sun_may_draw(lamp, wi) ? pdf_selection(from, light) * pdf_sun(lamp) : 0.0f;
 }
 
 Color LightSampler::environment(Vec3f d, uint32_t flags, const PathDepth& depth) const {

@@ -37,8 +37,13 @@ void parallel_for(size_t count, int threads, const Body& body) {
   };
   const size_t workers = std::min(count, static_cast<size_t>(resolve_threads(threads)));
   std::vector<std::thread> others;
-  for (size_t i = 1; i < workers; ++i) {
-    others.emplace_back(work);
+  others.reserve(workers);
+  try {
+    for (size_t i = 1; i < workers; ++i) {
+      others.emplace_back(work);
+    }
+  } catch (const std::exception&) {
+    // The system has no more threads, or no memory for them: those that there are do the work.
   }
   work();
   for (std::thread& thread : others) {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <exception>
 #include <stdexcept>
-#include <system_error>
 
 #include "math/float_environment.h"
+#include "math/memory_message.h"
 #include "math/parallel.h"
 #include "math/rng.h"
 #include "render/priority.h"
@@ -77,6 +77,8 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
   }
   schedule_ = std::make_unique<Schedule>(film_.batches(), [this] { return look(); });
   changed_.assign(film_.tiles().size(), false);
+  constexpr size_t kLongMessage = 256;
+  error_message_.reserve(kLongMessage);  // there may be no memory left to tell that there is none
 }
 
 void Session::settle(MethodChoice&& choice) {
@@ -95,10 +97,17 @@ void Session::settle(MethodChoice&& choice) {
   method_ = std::move(method);
 }
 
+// Not by std::call_once: an exception from there passes frames of the C library, which are unwound
+// by the system's runtime, and that ends the process when it is of a module's own runtime.
 void Session::prepare(const RenderContext& context, RenderStats& stats) {
+  const std::lock_guard preparing(preparing_);
+  if (prepared_) {
+    return;
+  }
   if (method_ == nullptr) {
     MethodChoice choice = choose_by_trial(scene_, settings_, stopped_);
     if (stopped_) {
+      prepared_ = true;
       return;
     }
     settle(std::move(choice));
@@ -107,6 +116,7 @@ void Session::prepare(const RenderContext& context, RenderStats& stats) {
     plan_of_method_ = method_->kernel.make_plan(context, method_->plan[0].seed, stats);
     heed(*plan_of_method_);
   }
+  prepared_ = true;
 }
 
 std::string Session::choice() const {
@@ -180,7 +190,7 @@ void Session::start() {
   if (settings_.time_limit > 0.0) {
     try {
       watch_ = std::thread([this] { watch_the_time(); });
-    } catch (const std::system_error&) {
+    } catch (const std::exception&) {
       thread_ended(thread_count_);
       throw;
     }
@@ -188,8 +198,8 @@ void Session::start() {
   for (int i = 0; i < thread_count_; ++i) {
     try {
       threads_.emplace_back([this, i] { work(i); });
-    } catch (const std::system_error&) {
-      // The system has no more threads to give: those that there are do the work.
+    } catch (const std::exception&) {
+      // The system has no more threads to give, or no memory: those that there are do the work.
       thread_ended(thread_count_ - i);
       thread_count_ = i;
       if (i == 0) {
@@ -314,7 +324,7 @@ void Session::work(int thread) {
   RenderContext context{*scene_, settings_, filter_, stopped_};
   RenderStats& stats = stats_[static_cast<size_t>(thread)];
   try {
-    std::call_once(prepared_, [&] { prepare(context, stats); });
+    prepare(context, stats);
     context.plan = plan_of_method_.get();
     Job job;
     while (method_ != nullptr && schedule_->next(job)) {
@@ -346,7 +356,7 @@ void Session::work(int thread) {
   } catch (const std::exception& e) {
     stop(Ending::kFailed);
     const std::lock_guard lock(mutex_);
-    error_message_ = e.what();
+    error_message_ = message_of(e);
   }
   non_finite_ += stats.non_finite;
   thread_ended(1);

@@ -59,8 +59,8 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // Once. Throws std::logic_error the second time, std::system_error when no thread can be made.
-  // At the time limit the threads are stopped as by cancel().
+  // Once. Throws std::logic_error the second time, std::system_error or std::bad_alloc when no
+  // thread can be made. At the time limit the threads are stopped as by cancel().
   void start();
   // Asks the threads to stop; each does so within a pixel's samples.
   void cancel();
@@ -101,8 +101,9 @@ class Session {
 
   // From here on the method is known.
   void settle(MethodChoice&& choice);
-  // By one thread, before any asks for a job: tries methods where that is left to do, and lets the
-  // one that renders prepare. There is none where the render was stopped meanwhile.
+  // By the first thread that comes, before any asks for a job; others wait for it. It tries methods
+  // where that is left to do, and lets the one that renders prepare. There is none where the render
+  // was stopped meanwhile.
   void prepare(const RenderContext& context, RenderStats& stats);
   void work(int thread);
   void watch_the_time();
@@ -128,7 +129,8 @@ class Session {
   Film film_;
   PixelFilter2d filter_;
   std::unique_ptr<Method> method_;  // null until it is chosen
-  std::once_flag prepared_;
+  std::mutex preparing_;
+  bool prepared_ = false;  // under that lock
   std::unique_ptr<const Plan> plan_of_method_;
   int thread_count_;
   bool give_way_;

@@ -6,10 +6,12 @@
 
 #include "bsdf/bsdf.h"
 #include "camera/camera.h"
+#include "lights/lamp_contents.h"
 #include "lights/light_sampler.h"
 #include "math/parallel.h"
 #include "nodes/material.h"
 #include "scene/geometry.h"
+#include "scene/resolution.h"
 #include "scene/source.h"
 #include "textures/image.h"
 
@@ -185,8 +187,10 @@ class SceneCompiler {
     } else {
       s.compiled.geometry = true;
       GeometryInput input;
-      input.bounds = bounds_of_instances(desc_, options_.threads);
+      const std::vector<Box> meshes = bounds_of_meshes(desc_, options_.threads);
+      input.bounds = bounds_of_instances(desc_, meshes);
       input.origin = center_of(with_lamps(input.bounds));
+      input.warnings = describe_unresolved(desc_, meshes, input.origin);
       input.attribute_names = s.attribute_names;
       input.masks = masks_;
       input.material_offsets = material_offsets_;
@@ -195,6 +199,7 @@ class SceneCompiler {
       input.meshes_read = options_.large_parts_read;
       s.geometry_ = compile_geometry(desc_, input, options_.threads, options_.cancelled);
     }
+    s.warnings.insert(s.warnings.end(), s.geometry_->warnings.begin(), s.geometry_->warnings.end());
     s.meshes = s.geometry_->meshes;
     s.instances = s.geometry_->instances;
     s.intersector_ = s.geometry_->intersector.get();
@@ -305,6 +310,7 @@ class SceneCompiler {
     r.emissive_triangles = s.lights->emissive_triangle_count();
     r.uneven_lights = s.lights->uneven_count();
     r.light_tree = s.lights->has_tree();
+    r.things_in_lamps = lamps_hold_things(s, desc_.lights);
   }
 
   void keep_source() {

@@ -26,18 +26,17 @@ std::array<double, 3> transform_point(std::span<const float> m, const std::array
   return q;
 }
 
-namespace {
-
-// Bounds of the eight transformed corners of a box.
-void add_transformed(const Box& box, std::span<const float> m, Box& result) {
+void Box::add_transformed(const Box& box, std::span<const float> m) {
   for (unsigned corner = 0; corner < 8 && !box.empty(); ++corner) {
     std::array<double, 3> p{};
     for (unsigned a = 0; a < 3; ++a) {
       p[a] = (corner >> a & 1u) != 0u ? box.upper[a] : box.lower[a];
     }
-    result.add(transform_point(m, p));
+    add(transform_point(m, p));
   }
 }
+
+namespace {
 
 Box bounds_of(const MeshDesc& mesh) {
   Box box;
@@ -65,6 +64,7 @@ class GeometryCompiler {
   std::shared_ptr<const Geometry> run() {
     result_->bounds = input_.bounds;
     result_->origin = input_.origin;
+    result_->warnings = input_.warnings;
     compile_meshes();
     if (input_.meshes_read) {
       input_.meshes_read();
@@ -200,12 +200,16 @@ class GeometryCompiler {
 
 }  // namespace
 
-Box bounds_of_instances(const SceneDescription& desc, int threads) {
+std::vector<Box> bounds_of_meshes(const SceneDescription& desc, int threads) {
   std::vector<Box> boxes(desc.meshes.size());
   parallel_for(boxes.size(), threads, [&](size_t i) { boxes[i] = bounds_of(desc.meshes[i]); });
+  return boxes;
+}
+
+Box bounds_of_instances(const SceneDescription& desc, std::span<const Box> meshes) {
   Box all;
   for (size_t i = 0; i < desc.instances.mesh.size(); ++i) {
-    add_transformed(boxes[static_cast<size_t>(desc.instances.mesh[i])], matrix(desc, i), all);
+    all.add_transformed(meshes[static_cast<size_t>(desc.instances.mesh[i])], matrix(desc, i));
   }
   return all;
 }

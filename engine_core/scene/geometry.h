@@ -24,6 +24,8 @@ struct Box {
 
   bool empty() const { return lower[0] > upper[0]; }
   void add(const std::array<double, 3>& p);
+  // The eight corners of a box under a matrix of three rows of four.
+  void add_transformed(const Box& box, std::span<const float> m);
 };
 
 // A point under a matrix of three rows of four.
@@ -34,6 +36,7 @@ struct Geometry {
   std::vector<Instance> instances;
   Box bounds;                                // of all instances, world space
   std::array<double, 3> origin{};            // of render space, world space
+  std::vector<std::string> warnings;         // a sentence each, for the user
   std::unique_ptr<Intersector> intersector;  // null: there is nothing to meet
 };
 
@@ -41,6 +44,7 @@ struct Geometry {
 struct GeometryInput {
   Box bounds;                                    // of all instances, world space
   std::array<double, 3> origin{};                // of render space
+  std::vector<std::string> warnings;             // kept with the geometry
   std::span<const std::string> attribute_names;  // that materials read
   std::span<const uint32_t> masks;               // ray mask of each instance
   std::span<const uint32_t> material_offsets;    // of each material set
@@ -49,8 +53,10 @@ struct GeometryInput {
   std::function<void()> meshes_read;  // called when the description's meshes are needed no more
 };
 
-// Bounds of all instances, world space.
-Box bounds_of_instances(const SceneDescription& desc, int threads);
+// Bounds of each mesh, object space.
+std::vector<Box> bounds_of_meshes(const SceneDescription& desc, int threads);
+// Bounds of all instances, world space, from those of the meshes.
+Box bounds_of_instances(const SceneDescription& desc, std::span<const Box> meshes);
 
 // `threads` 0: all there are; `cancelled` is polled. Throws as compile() does.
 std::shared_ptr<const Geometry> compile_geometry(const SceneDescription& desc,

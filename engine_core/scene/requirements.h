@@ -29,7 +29,8 @@ struct Requirements {
   bool uneven_visibility = false;
   // Lights at which no path may start (LightSampler::guide_by_power).
   uint64_t uneven_lights = 0;
-  bool path_dependent = false;  // some material reads what the path has been through
+  bool things_in_lamps = false;  // see lamps_hold_things (lights/lamp_contents.h)
+  bool path_dependent = false;   // some material reads what the path has been through
 };
 
 }  // namespace vernier

@@ -6,11 +6,16 @@ from functools import partial
 
 import numpy as np
 import pytest
+from bidirectional_scenes import lamp, room
 from extreme_cases.brightness import shining
 from extreme_cases.furnaces import furnace, unlimited
+from extreme_cases.lights import lit
+from extreme_cases.place import baked, far_corner, moved
 from extreme_cases.shadows import closed
 from scenes import SceneBuilder, box, diffuse, picture, pictures, placed, quad
 from statistics_tools import assert_equal_means, assert_mean_is
+
+import engine_core
 
 
 @pytest.mark.parametrize("bounces", [0, 100])
@@ -58,3 +63,52 @@ def test_light_of_soft_lamps_is_shaded_from_its_start(integrator: str) -> None:
     """Paths from the lamp used to start in the middle of their way from its disk."""
     shots = partial(pictures, soft_lamp_around_things(), 8, max_bounces=0)
     assert_equal_means(shots(samples=256), shots(samples=256, integrator=integrator))
+
+
+@pytest.mark.parametrize("integrator", ["LIGHT", "BDPT"])
+def test_the_smallest_suns_keep_their_light(integrator: str) -> None:
+    """Directions drawn at the rim of their disks are rounded beyond it: they had no density."""
+    shots = partial(pictures, lit("SUN", 0.05, sun_angle=1e-6), 8, max_bounces=1)
+    assert_equal_means(shots(samples=256), shots(samples=256, integrator=integrator))
+
+
+def warnings_of(scene: SceneBuilder) -> list[str]:
+    return list(engine_core.compile(scene.description, threads=1).warnings)
+
+
+@pytest.mark.parametrize("kind", ["box", "sphere"])
+def test_vertices_that_do_not_resolve_the_shape_are_named(kind: str) -> None:
+    """Their places were rounded in silence."""
+    assert warnings_of(baked(kind, 1e3)) == []
+    name = baked(kind, 1e5).description.meshes[0].name
+    for offset in (1e5, 1e6):
+        (warning,) = warnings_of(baked(kind, offset))
+        assert warning.startswith(f'mesh "{name}": its vertices are')
+        assert "its shape is rounded" in warning
+    assert warnings_of(moved(1e7)) == [], "only its place is rounded"
+
+
+def test_what_lies_too_far_from_the_middle_is_named() -> None:
+    assert warnings_of(far_corner(1e4)) == []
+    (warning,) = warnings_of(far_corner(1e6))
+    assert "from the middle of the scene" in warning
+
+
+def lamp_about_things(soft: bool, radius: float) -> SceneBuilder:
+    scene = room()
+    lamp("POINT", scene, at=(0.1, -0.3, 0.25), radius=radius, soft_falloff=soft)
+    return scene
+
+
+@pytest.mark.parametrize("integrator", ["LIGHT", "PHOTON", "SPPM"])
+def test_what_paths_from_a_hard_lamp_leave_out_is_named(integrator: str) -> None:
+    """They leave the sphere outward; what is within it is lit all the same."""
+
+    def notes(scene: SceneBuilder) -> str:
+        compiled = engine_core.compile(scene.description, threads=1)
+        session = engine_core.Session(compiled, {"integrator": integrator}, ["Combined"])
+        return " ".join(session.notes)
+
+    assert "without soft falloff" in notes(lamp_about_things(False, 0.4))
+    assert "without soft falloff" not in notes(lamp_about_things(False, 0.1))
+    assert "without soft falloff" not in notes(lamp_about_things(True, 0.4))

@@ -1,0 +1,62 @@
+"""What would go on for ever ends: by the time limit, or when it is cancelled.
+
+All loops of the core but two kinds run over something finite: arrays, the bits of a number, the
+bounces that 16 bits count. The two are chains and the walks of paths, which ask at every step
+whether the render is to end, and waits for other threads, which are told.
+"""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from bidirectional_scenes import lamp
+from scenes import SceneBuilder, box, diffuse, shader
+
+import engine_core
+
+INTEGRATORS = [
+    identifier
+    for parameter in engine_core.parameters()
+    if parameter.name == "integrator"
+    for identifier, *_ in parameter.items
+]
+#: Nothing absorbs, nothing ends a path but the most bounces that can be counted.
+ENDLESS = {"max_bounces": 1 << 16, "transparent_bounces": 1 << 16, "roulette_threshold": 0.0,
+           "whitted_depth": 64, "samples": 1 << 24}  # fmt: skip
+
+
+def white_room(clear: bool) -> SceneBuilder:
+    """A closed room that returns all light, with a ball of white glass about the camera or not."""
+    scene = SceneBuilder((8, 8))
+    scene.add(box((-1, -1, -1), (1, 1, 1), inward=True), diffuse(1.0))
+    if clear:
+        glass = shader("ShaderNodeBsdfGlass", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0, IOR=1.5)
+        scene.add(box((-0.9, -0.9, -0.9), (0.9, 0.9, 0.9)), glass)
+    lamp("POINT", scene, at=(0, 0, 0.5), radius=0.1)
+    scene.camera((0.1, -0.4, 0.05), (0.3, 0.5, 0.1), fov=70)
+    return scene
+
+
+@pytest.mark.parametrize("clear", [False, True], ids=["matte", "glass"])
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_time_limit_ends_what_has_no_end(integrator: str, clear: bool) -> None:
+    scene = engine_core.compile(white_room(clear).description, threads=2)
+    settings = {**ENDLESS, "integrator": integrator, "threads": 2, "time_limit": 0.05}
+    session = engine_core.Session(scene, settings, ["Combined"])
+    session.start()
+    assert session.wait(60.0), "the time limit did not end it"
+    assert session.error_message == ""
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_cancelling_ends_what_has_no_end(integrator: str) -> None:
+    scene = engine_core.compile(white_room(False).description, threads=2)
+    session = engine_core.Session(
+        scene, {**ENDLESS, "integrator": integrator, "threads": 2}, ["Combined"]
+    )
+    session.start()
+    time.sleep(0.02)
+    session.cancel()
+    assert session.wait(60.0), "cancelling did not end it"
+    assert session.error_message == ""

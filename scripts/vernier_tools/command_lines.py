@@ -204,10 +204,21 @@ def extremes(arguments: Sequence[str]) -> argparse.Namespace:
         "--only", default="", metavar="TEXT", help="cases whose title and method hold this text"
     )
     parser.add_argument(
+        "--methods", type=lambda text: text.split(","), metavar="A,B", help="default: all"
+    )
+    parser.add_argument(
         "--share", type=positive_float, default=4.0, help="of the cases' usual samples (4)"
     )
     parser.add_argument("--pictures", type=positive_int, default=8, help="independent ones (8)")
     parser.add_argument("--quick", action="store_true", help="without large cases and long paths")
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with results.csv of the output's folder: what it has is not rendered again",
+    )
+    parser.add_argument(
+        "--time", type=positive_float, metavar="SECONDS", help="after these, write what there is"
+    )
     parser.add_argument(
         "-o",
         "--output",
@@ -215,6 +226,32 @@ def extremes(arguments: Sequence[str]) -> argparse.Namespace:
         default=Path("out", "extremes"),
         metavar="DIR",
         help="default: %(default)s",
+    )
+    return parser.parse_args(arguments)
+
+
+def sanitize(arguments: Sequence[str]) -> argparse.Namespace:
+    """Of scripts/sanitize."""
+    parser = Parser(
+        prog="scripts/sanitize",
+        description="Builds the core with the compiler's sanitizers (into build/sanitizers) and "
+        "runs it for long: `files` fuzzes saved scenes, guided by what they make run, and "
+        "`descriptions` renders generated ones, under the address and undefined-behaviour "
+        "sanitizers; `threads` renders by every method under the thread sanitizer.",
+    )
+    parser.add_argument("part", choices=("files", "descriptions", "threads"))
+    parser.add_argument(
+        "--minutes", type=positive_float, default=10.0, help="of files, descriptions (10)"
+    )
+    parser.add_argument("--seed", type=positive_int, default=1)
+    parser.add_argument("--build", type=Path, metavar="DIR", help="another folder for the build")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("out", "sanitize"),
+        metavar="DIR",
+        help="where a file at fault is left (%(default)s)",
     )
     return parser.parse_args(arguments)
 
@@ -295,6 +332,7 @@ COMMANDS: dict[str, Callable[[Sequence[str]], argparse.Namespace]] = {
     "compare": compare,
     "benchmark": benchmark,
     "extremes": extremes,
+    "sanitize": sanitize,
     "tradeoff": tradeoff,
     "verify": verify,
     "progress_page": accuracy_lines.progress,

@@ -13,8 +13,10 @@ import engine_core
 @dataclass(frozen=True)
 class Method:
     lacks: Needs = Needs.NOTHING
-    #: Relative error that the method has by itself at a finite number of samples.
+    #: Relative error that the method has by itself at a finite number of samples, and that which it
+    #: has in cases that say so (`Case.blurred`).
     bias: float = 0.0
+    blur: float = 0.0
     #: Other settings than a case's, so that a small picture costs little.
     settings: Mapping[str, object] = field(default_factory=dict)
     #: Of the cases, the bounded run has one in this many; by path tracing it has all.
@@ -29,11 +31,12 @@ METHODS = {
     "BDPT": Method(joins=True),
     # What it merges is blurred over the radius, which the few samples of a case leave large: some
     # pixels' footprints.
-    "VCM": Method(bias=0.1, joins=True),
-    "SPPM": Method(Needs.AIM, bias=0.15),
+    "VCM": Method(bias=0.04, blur=0.15, joins=True),
+    "SPPM": Method(Needs.AIM, bias=0.04, blur=0.15),
     "PHOTON": Method(
         Needs.AIM,
         bias=0.15,
+        blur=0.15,
         settings={
             "global_photons": 2000,
             "caustic_photons": 2000,

@@ -32,6 +32,7 @@ class Result:
     verdict: Verdict
     seconds: float
     picture: np.ndarray
+    samples: float
 
 
 def shoot(
@@ -81,10 +82,10 @@ class Runner:
             case.expects,
             shots,
             lambda expected: self.other(expected, case, integrator),
-            method(integrator).bias,
+            method(integrator).blur if case.blurred else method(integrator).bias,
         )
         picture = shots.pictures.mean(axis=0)
-        return Result(case, integrator, verdict, time.monotonic() - begun, picture)
+        return Result(case, integrator, verdict, time.monotonic() - begun, picture, shots.samples)
 
     def other(self, expected: Same, case: Case, integrator: str) -> Shots:
         """With other seeds where the scene and the method are the same."""

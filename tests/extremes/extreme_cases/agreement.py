@@ -32,7 +32,8 @@ def cases() -> list[Case]:
         scene = partial(build, "diffuse", light)
         found.append(
             Case("agreement", f"light {light}", scene, Same(scene, of_paths=True),
-                 plain | Needs.VIEW if light in VIEWED else plain, four, samples=16)
+                 plain | Needs.VIEW if light in VIEWED else plain, four, samples=16,
+                 blurred=True)
         )  # fmt: skip
     for view in CAMERAS:
         scene = partial(build, "diffuse", "area", view)

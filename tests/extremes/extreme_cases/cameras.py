@@ -112,7 +112,7 @@ def cases() -> list[Case]:
         found.append(
             Case("cameras", f"{size[0]:,} by {size[1]:,} pixels", partial(wide, 70.0, size), truth,
                  Needs.ALL_LIGHT | (Needs.AIM if size[0] * size[1] > 16 else Needs.NOTHING), deep,
-                 samples=16 if size == (1, 1) else 1)
+                 samples=16 if size == (1, 1) else 1, blurred=size[0] == 1)
         )  # fmt: skip
     found.append(
         Case("cameras", "16,384 by 2 pixels", partial(wide, 70.0, (16384, 2)), truth,

@@ -88,6 +88,8 @@ class Case:
     large: bool = False
     #: Paths so long that the bounded run has them by path tracing alone.
     deep: bool = False
+    #: Edges of light, or pixels so large, that what is merged is blurred by as much as is shown.
+    blurred: bool = False
     #: Paths so long that methods leave them out whose time grows with the square of the length.
     not_joined: bool = False
 

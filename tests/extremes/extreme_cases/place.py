@@ -74,6 +74,12 @@ def cases() -> list[Case]:
                 Case("place", f"{kind} baked {name}", partial(baked, kind, offset),
                      truth if resolved else Finite(), Needs.ALL_LIGHT, settings, samples=4)
             )  # fmt: skip
+            if power in (4, 5):
+                found.append(
+                    Case("place", f"{kind} baked {name}, many samples",
+                         partial(baked, kind, offset), truth, Needs.ALL_LIGHT, settings,
+                         samples=1024, large=True)
+                )  # fmt: skip
         found.append(
             Case("place", f"sphere moved {name}", partial(moved, offset), truth, Needs.ALL_LIGHT,
                  settings, samples=4)

@@ -29,6 +29,9 @@ constexpr double kRobustFactor = 1.25;
 // The same where pilots have fewer pixels than kSmallPilot, which may well have missed what
 // matters.
 constexpr double kRobustFactorOfSmall = 2.0, kSmallPilot = 40.0 * 40.0;
+// Where rare bright pixels make another method look slower than one that finds caustics by this
+// factor, they are what the pilot cannot tell.
+constexpr double kRareFactor = 8.0;
 constexpr int kBlock = 8;  // pixels a side: what is compared between methods
 constexpr double kTrim = 0.95;
 constexpr double kDeviations = 4.0;
@@ -283,7 +286,8 @@ MethodChoice choose_by_trial(const std::shared_ptr<const Scene>& scene, const Se
                                    : kRobustFactor;
   if (caustics && !pilots[fastest].candidate->finds_caustics) {
     for (size_t i = 0; i < pilots.size(); ++i) {
-      const bool unclear = times[i] <= robust_factor * times[fastest] || worst[i] <= worst[fastest];
+      const bool unclear =
+          times[i] <= robust_factor * times[fastest] || kRareFactor * worst[i] <= worst[fastest];
       if (pilots[i].candidate->finds_caustics && unclear) {
         return chosen(*pilots[i].candidate, compare(pilots[i], times[i], pilots, times) +
                                                 "; preferred because the scene may have caustics");

@@ -123,7 +123,10 @@ def method_row(name: str, description: SceneDescription, options: argparse.Names
 
 
 def weighted(renders: Sequence[CoreRender]) -> CoreRender:
-    """Their mean by pictures' errors, and its half-widths."""
+    """Their mean by pictures' errors, and its half-widths. Raises ToolError where none is known."""
+    renders = [render for render in renders if math.isfinite(render.error)]
+    if not renders:
+        raise ToolError("a reference of this time knows nothing")
     inverse = [1.0 / max(render.error, 1e-12) ** 2 for render in renders]
     weights = [each / sum(inverse) for each in inverse]
     values = sum(w * render.values for w, render in zip(weights, renders, strict=True))

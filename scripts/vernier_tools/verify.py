@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 
 from vernier_tools import command_lines, verify_statistics
 from vernier_tools.errors import ToolError
-from vernier_tools.verify_statistics import Sample
 
 if TYPE_CHECKING:
     from engine_core.description import SceneDescription
@@ -36,15 +35,20 @@ SHARE = {"path": 2.0, "light": 2.0}
 REFERENCES = ("path", "bdpt")
 #: Where paths from the camera hardly find the light.
 HARD_REFERENCES = {
-    "caustics": ("bdpt", "path"),
+    "caustics": ("bdpt", "vcm"),
     "door_ajar": ("bdpt", "path"),
     "lamp_interior": ("bdpt", "path"),
     "pool": ("vcm", "sppm"),
 }
 #: The bias that is let pass, relative to a block: light that is gathered is blurred over its edges.
 BIAS = {"vcm": 0.01, "sppm": 0.02, "photon": 0.1}
-#: The scene whose light is beyond paths that are joined: those may find too little of it, no more.
-FOUND_BY_CHANCE = {"pool": {"path", "bdpt", "pssmlt", "mmlt", "mlt"}}
+#: Light that methods find by chance only, so that they may show too little of it, but no more: in
+#: the pool it has passed the water twice, in the caustics the camera's paths must meet a small
+#: lamp.
+FOUND_BY_CHANCE = {
+    "caustics": {"path"},
+    "pool": {"path", "bdpt", "pssmlt", "mmlt", "mlt"},
+}
 #: Fewer pictures of what costs most before the first sample: each has photon maps of its own.
 MOST_PICTURES = {"photon": 6}
 #: Samples of the reference for each of a picture's.
@@ -155,12 +159,12 @@ def verify(studio: Studio, method: str) -> dict[str, Any]:
     masks = verify_statistics.block_masks(studio.region(method), studio.options.block)
     if not masks[-1].any():
         raise ToolError(f"{studio.name} by {method}: it claims no pixel")
-    of_method = verify_statistics.sample(
-        studio.pictures(method, studio.options.samples, studio.options.seed), masks
-    )
-    of_reference = verify_statistics.sample(studio.reference(other), masks)
+    made = studio.pictures(method, studio.options.samples, studio.options.seed)
     chance = FOUND_BY_CHANCE.get(studio.name, set())
-    of_method = by_chance(of_method) if method in chance else of_method
+    of_method, of_reference = (
+        verify_statistics.sample(pictures, masks, by_chance=name in chance)
+        for name, pictures in ((method, made), (other, studio.reference(other)))
+    )
     bias = sum(BIAS.get(name, 0.0) for name in (method, other))
     verdict = verify_statistics.compare(of_method, of_reference, bias)
     return {
@@ -173,11 +177,6 @@ def verify(studio: Studio, method: str) -> dict[str, Any]:
         "word": verdict.word,
         **asdict(verdict),
     }
-
-
-def by_chance(sample: Sample) -> Sample:
-    """The same, whatever its pictures show of its tails."""
-    return Sample(sample.means, np.ones_like(sample.heavy))
 
 
 def table(rows: Mapping[str, Mapping[str, Any]]) -> str:

@@ -123,14 +123,15 @@ def block_masks(region: Mask, side: int) -> list[Mask]:
     return [*masks, region]
 
 
-def sample(pictures: NDArray[np.float32], masks: list[Mask]) -> Sample:
-    """`pictures` are (pictures, height, width, colours)."""
+def sample(pictures: NDArray[np.float32], masks: list[Mask], by_chance: bool = False) -> Sample:
+    """`pictures` are (pictures, height, width, colours). `by_chance`: whatever they show of their
+    tails, there is more beyond."""
     values = np.asarray(pictures, np.float64)
     # What a pixel has beyond its usual value: how bright a pixel is by right is no tail.
     excess = values.mean(axis=3) - np.median(values.mean(axis=3), axis=0)
     return Sample(
         np.stack([values[:, mask].mean(axis=1) for mask in masks], axis=1),
-        np.array([is_heavy(excess[:, mask].ravel()) for mask in masks]),
+        np.array([by_chance or is_heavy(excess[:, mask].ravel()) for mask in masks]),
     )
 
 

@@ -12,6 +12,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+import OpenImageIO
+
+from vernier_tools import jobs
 from vernier_tools.errors import ToolError, ended, say
 from vernier_tools.images import read_combined
 from vernier_tools.manual_tables import nodes_page, settings_page
@@ -36,6 +39,7 @@ class Picture:
         return "_".join(filter(None, (self.scene, self.method, self.kind)))
 
 
+CYCLES = "cycles"
 FEW, MANY = 1_000, 200_000
 PICTURES = (
     Picture("cornell_box", "path"),
@@ -46,6 +50,8 @@ PICTURES = (
     Picture("lamp_interior", "bdpt"),
     Picture("pool", "bdpt"),
     Picture("pool", "vcm"),
+    Picture("door_ajar", "mlt"),
+    *(Picture(scene, CYCLES) for scene in ("door_ajar", "lamp_interior", "pool")),
     *(
         Picture("caustics", "photon", 40.0, kind,
                 (f"global_photons={photons}", f"caustic_photons={photons}"))
@@ -53,19 +59,23 @@ PICTURES = (
     ),
     Picture("caustics", "photon", 20.0, "shown", ("photon_view=CAUSTIC", "caustic_photons=20000")),
 )  # fmt: skip
-PICTURE_SIZE = "480x300"
+PICTURE_SIZE = (480, 300)
 
 # The measured trade: scenes and methods at equal time, against long renders by the last method.
 SCENES = ("cornell_box", "veach_plates", "lamp_interior", "caustics")
 METHODS = ("path", "light", "bdpt")
-MEASURED_SIZE = "240x150"
+MEASURED_SIZE = (240, 150)
+
+
+def size_text(size: tuple[int, int]) -> str:
+    return "{}x{}".format(*size)
 
 
 def render(
     scene: str,
     method: str,
     target: Path,
-    size: str,
+    size: tuple[int, int],
     seconds: float,
     seed: int = 0,
     settings: tuple[str, ...] = (),
@@ -73,8 +83,8 @@ def render(
     """Renders one scene in a process of its own. Raises ToolError."""
     command = [sys.executable, "-m", "vernier_tools.render"]
     command += [str(ROOT / "blend_scenes" / f"{scene}.blend"), "-o", str(target)]
-    command += ["--integrator", method, "--time", str(seconds), "--resolution", size]
-    command += ["--seed", str(seed)]
+    command += ["--integrator", method, "--time", str(seconds), "--seed", str(seed)]
+    command += ["--resolution", size_text(size)]
     for setting in settings:
         command += ["--set", setting]
     done = subprocess.run(command, capture_output=True, text=True)
@@ -82,19 +92,35 @@ def render(
         raise ToolError(f"{scene} by {method}: {done.stderr.strip()[-300:]}")
 
 
+def render_by_cycles(
+    scene: str, target: Path, size: tuple[int, int], seconds: float, scratch: Path
+) -> None:
+    """Likewise, without what biases Cycles. Raises ToolError."""
+    output = scratch / scene
+    blend = str(ROOT / "blend_scenes" / f"{scene}.blend")
+    jobs.run(jobs.Job(CYCLES, blend, str(output), time=seconds, resolution=size, view=True))
+    OpenImageIO.ImageBuf(f"{output}-0.png").write(str(target))
+
+
 def write_pictures(pictures: Iterable[Picture], share: float) -> None:
     folder = FOLDER / "pictures"
     folder.mkdir(exist_ok=True)
     for picture in pictures:
         say(COMMAND, f"picture {picture.name}")
-        render(
-            picture.scene,
-            picture.method,
-            folder / f"{picture.name}.jpg",
-            PICTURE_SIZE,
-            share * picture.seconds,
-            settings=picture.settings,
-        )
+        target = folder / f"{picture.name}.jpg"
+        seconds = share * picture.seconds
+        if picture.method == CYCLES:
+            with tempfile.TemporaryDirectory() as scratch:
+                render_by_cycles(picture.scene, target, PICTURE_SIZE, seconds, Path(scratch))
+        else:
+            render(
+                picture.scene,
+                picture.method,
+                target,
+                PICTURE_SIZE,
+                seconds,
+                settings=picture.settings,
+            )
 
 
 def pictures_named(text: str) -> list[Picture]:
@@ -125,11 +151,11 @@ def write_measurements(seconds: float, reference_seconds: float) -> None:
     heads = " | ".join(f"`{method}`" for method in METHODS)
     text = f"""# The trade, measured
 
-Error after {seconds:g} seconds at {MEASURED_SIZE} pixels on the machine that built this page, all \
-its threads: the root of the mean squared error relative to each pixel (or to 10 % of the mean, \
-where that is more), against {reference_seconds:g} seconds of `{METHODS[-1]}`. Less is better; \
-half the error would take four times as long. An error that does not shrink with time is light \
-that the method cannot find.
+Error after {seconds:g} seconds at {size_text(MEASURED_SIZE)} pixels on the machine that built \
+this page, all its threads: the root of the mean squared error relative to each pixel (or to 10 % \
+of the mean, where that is more), against {reference_seconds:g} seconds of `{METHODS[-1]}`. Less \
+is better; half the error would take four times as long. An error that does not shrink with time \
+is light that the method cannot find.
 
 | Scene | {heads} |
 |---|{"---|" * len(METHODS)}

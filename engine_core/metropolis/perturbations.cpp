@@ -238,8 +238,12 @@ double replace_lens_subpath(PathSpace& space, Vec2f raster, const PathState& fro
     }
     return c;
   };
+  // Within a body that lets no light out, mirror follows upon mirror without end. Paths of more
+  // surfaces than this are neither proposed nor left: what never goes there need not come back.
+  constexpr size_t kMostReplaced = 256;
+  const size_t most = std::min(space.most, kMostReplaced);
   const size_t k = from.v.size(), c = part(from);
-  if (c >= k || from.v[c].event != 0) {
+  if (k > most || c >= k || from.v[c].event != 0) {
     return kNever;
   }
   to.v.clear();
@@ -248,7 +252,7 @@ double replace_lens_subpath(PathSpace& space, Vec2f raster, const PathState& fro
     return kNever;
   }
   while (!space.stops(to)) {
-    if (to.v.size() + k - c >= space.most || !space.extend(to)) {
+    if (to.v.size() + k - c >= most || !space.extend(to)) {
       return kNever;
     }
   }

@@ -26,10 +26,11 @@ ENDLESS = {"max_bounces": 1 << 16, "transparent_bounces": 1 << 16, "roulette_thr
            "whitted_depth": 64, "samples": 1 << 24}  # fmt: skip
 
 
-def white_room(clear: bool) -> SceneBuilder:
-    """A closed room that returns all light, with a ball of white glass about the camera or not."""
+def closed_room(clear: bool, albedo: float = 1.0) -> SceneBuilder:
+    """A closed room that returns all light or a part, with a box of white glass about the camera or
+    not."""
     scene = SceneBuilder((8, 8))
-    scene.add(box((-1, -1, -1), (1, 1, 1), inward=True), diffuse(1.0))
+    scene.add(box((-1, -1, -1), (1, 1, 1), inward=True), diffuse(albedo))
     if clear:
         glass = shader("ShaderNodeBsdfGlass", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0, IOR=1.5)
         scene.add(box((-0.9, -0.9, -0.9), (0.9, 0.9, 0.9)), glass)
@@ -41,7 +42,7 @@ def white_room(clear: bool) -> SceneBuilder:
 @pytest.mark.parametrize("clear", [False, True], ids=["matte", "glass"])
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_a_time_limit_ends_what_has_no_end(integrator: str, clear: bool) -> None:
-    scene = engine_core.compile(white_room(clear).description, threads=2)
+    scene = engine_core.compile(closed_room(clear).description, threads=2)
     settings = {**ENDLESS, "integrator": integrator, "threads": 2, "time_limit": 0.05}
     session = engine_core.Session(scene, settings, ["Combined"])
     session.start()
@@ -50,8 +51,21 @@ def test_a_time_limit_ends_what_has_no_end(integrator: str, clear: bool) -> None
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_what_no_light_leaves_is_left(integrator: str) -> None:
+    """By the samples, where bounces are not limited: most of what the camera sees from within the
+    clear box is reflected in it for ever."""
+    scene = engine_core.compile(closed_room(True, 0.3).description, threads=2)
+    photons = {"global_photons": 1000, "caustic_photons": 1000}
+    settings = {"integrator": integrator, "threads": 2, "samples": 4, **photons}
+    session = engine_core.Session(scene, settings, ["Combined"])
+    session.start()
+    assert session.wait(60.0), "it goes on and on"
+    assert session.error_message == ""
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_cancelling_ends_what_has_no_end(integrator: str) -> None:
-    scene = engine_core.compile(white_room(False).description, threads=2)
+    scene = engine_core.compile(closed_room(False).description, threads=2)
     session = engine_core.Session(
         scene, {**ENDLESS, "integrator": integrator, "threads": 2}, ["Combined"]
     )

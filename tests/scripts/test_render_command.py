@@ -84,10 +84,12 @@ def test_an_interrupted_render_leaves_its_state(tool: Tool, tmp_path: Path) -> N
         text=True,
     )
     assert process.stderr is not None
-    line = ""
-    while "Sample" not in line and "Time left" not in line:
+    samples = 0
+    while samples < 4:
         line = process.stderr.readline()
         assert line, "ended before it rendered"
+        found = re.search(r"Sample (\d+)/", line)
+        samples = int(found[1]) if found else samples
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=60)
     assert (tmp_path / "a.state").stat().st_size > 32 * 24 * 50
@@ -217,10 +219,12 @@ def test_an_output_that_is_there_stays_when_the_render_is_interrupted(tmp_path: 
     )
     assert process.stderr is not None
     # The first progress line tells that it is rendering. (Blender 4.5 hands on its second half.)
-    line = ""
-    while "Sample" not in line and "Time left" not in line:
+    samples = 0
+    while samples < 4:
         line = process.stderr.readline()
         assert line, "ended before it rendered"
+        found = re.search(r"Sample (\d+)/", line)
+        samples = int(found[1]) if found else samples
     time.sleep(0.2)
     os.kill(process.pid, signal.SIGINT)
     _, error = process.communicate(timeout=60)

@@ -134,8 +134,9 @@ def main() -> None:
 
 def interrupted(capture: Capture, number: int) -> None:
     save_checkpoint()
-    capture.report(COMMAND, "interrupted")
-    leave(capture, 128 + number)
+    # Past the stream: the signal may have come while that was writing, and then it writes no more.
+    os.write(capture.terminal_error.fileno(), f"{COMMAND}: error: interrupted\n".encode())
+    os._exit(128 + number)
 
 
 def save_checkpoint() -> None:

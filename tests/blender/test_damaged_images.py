@@ -64,6 +64,8 @@ def test_files_cut_short(empty_scene: Any, tmp_path: Path, suffix: str, sequence
 def test_a_file_cut_in_half_is_told_in_a_sequence(
     empty_scene: Any, tmp_path: Path, suffix: str
 ) -> None:
+    if suffix == "tif" and bpy.app.version < (5, 0, 0):
+        pytest.skip("beside this Blender, what reads TIFF files says nothing of it either")
     path = tmp_path / f"picture_001.{suffix}"
     path.write_bytes(written(path)[: path.stat().st_size // 2])
     _, messages = read(path, True)

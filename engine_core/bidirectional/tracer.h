@@ -222,11 +222,7 @@ class BidirectionalTracer {
 
   void add_emission(const Walk& walk, const CameraVisitor& visitor, const PathVertex& v) {
     const SurfacePoint& point = v.point;
-    const Receiver* from = visitor.sampled_from(walk);
-    const float sampled =
-        from ? lights_.pdf_triangle(*from, point.instance, point.triangle, -point.wo,
-                                    walk.travelled, std::abs(dot(point.ng, point.wo)))
-             : 0.0f;
+    const float sampled = pdf_met_surface(lights_, visitor.sampled_from(walk), walk, point);
     add_met(walk, visitor, lights_.light_of_triangle(point.instance, point.triangle), point.wo,
             walk.travelled, sampled, v.bsdf.emission, false);
   }

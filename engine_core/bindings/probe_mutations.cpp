@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "bindings/bind.h"
+#include "bindings/probe_render.h"
 #include "bindings/table.h"
 #include "metropolis/path_explorer.h"
 #include "metropolis/seed_pool.h"
@@ -20,21 +21,11 @@ namespace vernier {
 namespace {
 
 // What a chain needs of a render.
-struct Ground {
-  std::shared_ptr<const Scene> scene;
-  Settings settings;
-  PixelFilter2d filter;
-  std::atomic<bool> cancelled{false};
-  RenderStats stats;
-  std::unique_ptr<const Plan> plan;
+struct Ground : ProbeRender {
+  const std::unique_ptr<const Plan> plan;
 
   Ground(nb::handle handle, const std::map<std::string, SettingValue>& values)
-      : scene(scene_of(handle)),
-        settings(make_settings(values)),
-        filter(scene->film.filter, scene->film.filter_width) {
-    plan = make_metropolis_plan(context(), 1, stats);
-  }
-  RenderContext context() const { return {*scene, settings, filter, cancelled, plan.get()}; }
+      : ProbeRender(handle, values), plan(make_metropolis_plan(context(), 1, stats)) {}
 };
 
 double mutate(const std::string& name, PathSpace& space, const PathState& from, PathState& to) {
@@ -65,7 +56,7 @@ struct MutationChain {
   MarkovChain<PathState> chain;
 
   MutationChain(nb::handle handle, const std::map<std::string, SettingValue>& values, uint64_t seed)
-      : ground(handle, values), context(ground.context()), space(context, stats) {
+      : ground(handle, values), context(ground.context(ground.plan.get())), space(context, stats) {
     PathExplorer explorer(context, stats);
     PrimaryEvaluator evaluator(context, stats, true);
     Pcg32 rng(seed);

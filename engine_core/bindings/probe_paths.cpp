@@ -10,6 +10,7 @@
 #include "bidirectional/shared_paths.h"
 #include "bidirectional/tracer.h"
 #include "bindings/bind.h"
+#include "bindings/probe_render.h"
 
 namespace nb = nanobind;
 
@@ -21,13 +22,12 @@ namespace {
 // (count, failures, worst, worst path) by check, of counts by technique, and of what was left out.
 nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValue>& values,
                       uint32_t samples, double tolerance, bool pilot) {
-  const auto scene = scene_of(handle);
-  Settings settings = make_settings(values);
-  settings.roulette_threshold = 0.0;  // throughputs are to be those of the densities
-  const PixelFilter2d filter(scene->film.filter, scene->film.filter_width);
-  const std::atomic<bool> cancelled{false};
-  RenderContext context{*scene, settings, filter, cancelled};
-  RenderStats stats;
+  ProbeRender render(handle, values);
+  render.settings.roulette_threshold = 0.0;  // throughputs are to be those of the densities
+  const Scene* scene = render.scene.get();
+  const Settings& settings = render.settings;
+  RenderStats& stats = render.stats;
+  RenderContext context = render.context();
   BidirectionalPlan plan;
   plan.guide = scene->lights->guide_by_power();
   plan.footprint = scene->camera->footprint(scene->center);
@@ -70,20 +70,9 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
           .run(ray);
     }
   };
-  for (int y = crop[1]; y < crop[3]; ++y) {
-    for (int x = crop[0]; x < crop[2]; ++x) {
-      for (uint32_t i = 0; i < samples; ++i) {
-        const SobolSampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), i,
-                                   static_cast<int>(std::bit_width(samples - 1u)),
-                                   static_cast<uint64_t>(settings.seed));
-        const Vec2f offset = filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
-        const CameraRay ray = scene->camera->generate_ray(
-            {static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y},
-            sampler.get_2d(dimension(CameraDim::kLens)));
-        trace(ray, sampler);
-      }
-    }
-  }
+  render.for_each_camera_ray(
+      samples, static_cast<uint64_t>(settings.seed),
+      [&](int, int, const CameraRay& ray, const SobolSampler& sampler) { trace(ray, sampler); });
   const PathReport& report = verifier.report();
   nb::dict result;
   for (size_t i = 0; i < report.checks.size(); ++i) {
@@ -129,36 +118,25 @@ struct SightVisitor {
 // first: 0 where a part of it is a perfect mirror or glass, or cannot be reached by paths from
 // lights, and so nothing of it can be splatted; infinite where all is diffuse.
 std::vector<std::vector<float>> sharpest_seen(nb::handle handle, uint32_t samples) {
-  const auto scene = scene_of(handle);
-  Settings settings;
-  settings.roulette_threshold = 0.0;
-  const PixelFilter2d filter(scene->film.filter, scene->film.filter_width);
-  const std::atomic<bool> cancelled{false};
-  uint64_t rays = 0;
-  const auto& crop = scene->film.crop;
-  std::vector<std::vector<float>> rows;
-  for (int y = crop[1]; y < crop[3]; ++y) {
-    std::vector<float>& row = rows.emplace_back();
-    for (int x = crop[0]; x < crop[2]; ++x) {
-      SightVisitor visitor{*scene};
-      for (uint32_t i = 0; i < samples; ++i) {
-        const SobolSampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), i,
-                                   static_cast<int>(std::bit_width(samples - 1u)), 0);
-        const Vec2f offset = filter.sample(sampler.get_2d(dimension(CameraDim::kFilter)));
+  ProbeRender render(handle, {});
+  render.settings.roulette_threshold = 0.0;
+  const Scene& scene = *render.scene;
+  const auto& crop = scene.film.crop;
+  std::vector<std::vector<float>> rows(
+      static_cast<size_t>(crop[3] - crop[1]),
+      std::vector<float>(static_cast<size_t>(crop[2] - crop[0]), kInfinity));
+  render.for_each_camera_ray(
+      samples, 0, [&](int x, int y, const CameraRay& ray, const SobolSampler& sampler) {
+        SightVisitor visitor{scene};
         Walk walk;
         walk.most_bounces = 0;
-        walk.ray = scene->camera
-                       ->generate_ray({static_cast<float>(x) + 0.5f + offset.x,
-                                       static_cast<float>(y) + 0.5f + offset.y},
-                                      sampler.get_2d(dimension(CameraDim::kLens)))
-                       .ray;
-        random_walk(WalkContext<>{*scene, sampler, cancelled, BounceLimits(settings),
-                                  Roulette(settings), rays},
+        walk.ray = ray.ray;
+        random_walk(WalkContext<>{scene, sampler, render.cancelled, BounceLimits(render.settings),
+                                  Roulette(render.settings), render.stats.rays},
                     walk, visitor);
-      }
-      row.push_back(visitor.sharpest);
-    }
-  }
+        float& sharpest = rows[static_cast<size_t>(y - crop[1])][static_cast<size_t>(x - crop[0])];
+        sharpest = std::min(sharpest, visitor.sharpest);
+      });
   return rows;
 }
 

@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "bindings/bind.h"
+#include "bindings/probe_render.h"
 #include "bindings/table.h"
 #include "math/float_environment.h"
 #include "math/parallel.h"
@@ -25,12 +26,10 @@ constexpr uint8_t kAllKinds = kind_bit(PhotonKind::kDirect) | kind_bit(PhotonKin
 // (position in the world, power, kind, bounces) of all photons that lie on surfaces.
 nb::dict trace_photons(nb::handle handle, const std::map<std::string, SettingValue>& values,
                        uint32_t paths, uint64_t seed) {
-  const auto scene = scene_of(handle);
-  const Settings settings = make_settings(values);
-  const PixelFilter2d filter(scene->film.filter, scene->film.filter_width);
-  const std::atomic<bool> cancelled{false};
-  const RenderContext context{*scene, settings, filter, cancelled};
-  RenderStats stats;
+  ProbeRender render(handle, values);
+  const Scene* scene = render.scene.get();
+  const RenderContext context = render.context();
+  RenderStats& stats = render.stats;
   PhotonChunk chunk;
   for (uint32_t i = 0; i < paths; ++i) {
     trace_photon(context, scene->lights->guide_by_power(), seed, i,
@@ -62,19 +61,16 @@ nb::dict trace_photons(nb::handle handle, const std::map<std::string, SettingVal
 // dictionary of its number of photons, of paths and of bytes.
 nb::dict build_photon_map(nb::handle handle, const std::map<std::string, SettingValue>& values,
                           uint64_t paths, uint64_t seed) {
-  const auto scene = scene_of(handle);
-  const Settings settings = make_settings(values);
-  const PixelFilter2d filter(scene->film.filter, scene->film.filter_width);
-  const std::atomic<bool> cancelled{false};
-  const RenderContext context{*scene, settings, filter, cancelled};
+  const ProbeRender render(handle, values);
+  const RenderContext context = render.context();
   PhotonOrder order;
-  order.guide = &scene->lights->guide_by_power();
+  order.guide = &render.scene->lights->guide_by_power();
   order.kinds = kAllKinds;
   order.paths = order.most_paths = paths;
   PhotonPass pass({order}, Batch{.seed = seed});
   for (int stage = 0; stage < pass.stages(); ++stage) {
     std::vector<RenderStats> stats(pass.jobs(stage));
-    parallel_for(stats.size(), settings.threads, [&](size_t job) {
+    parallel_for(stats.size(), render.settings.threads, [&](size_t job) {
       const FlushDenormals flush;
       pass.run(stage, job, context, stats[job]);
     });

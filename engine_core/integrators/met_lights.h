@@ -33,4 +33,13 @@ bool meet_lights(const Scene& scene, const Receiver* from, const Walk& walk, con
   return false;
 }
 
+// The density, over solid angle at `from`, with which light sampling would have chosen what glows
+// at `point`, which the walk has met; 0 where `from` is null.
+inline float pdf_met_surface(const LightSampler& lights, const Receiver* from, const Walk& walk,
+                             const SurfacePoint& point) {
+  return from ? lights.pdf_triangle(*from, point.instance, point.triangle, -point.wo,
+                                    walk.travelled, std::abs(dot(point.ng, point.wo)))
+              : 0.0f;
+}
+
 }  // namespace vernier

@@ -174,12 +174,7 @@ class PhotonTracer {
       return false;
     }
     if (!is_black(v.bsdf.emission) && !only_gathers_) {
-      const SurfacePoint& point = v.point;
-      const Receiver* from = visitor.sampled_from(walk);
-      const float sampled =
-          from ? lights_.pdf_triangle(*from, point.instance, point.triangle, -point.wo,
-                                      walk.travelled, std::abs(dot(point.ng, point.wo)))
-               : 0.0f;
+      const float sampled = pdf_met_surface(lights_, visitor.sampled_from(walk), walk, v.point);
       add_met(walk, visitor, sampled, v.bsdf.emission, false);
     }
     if (v.bsdf.connectible() && walk.depth.total < walks_.limits.total && !walk.spent) {

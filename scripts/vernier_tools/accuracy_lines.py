@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 
 from vernier_tools import settings
 from vernier_tools.arguments import (
@@ -14,7 +13,13 @@ from vernier_tools.arguments import (
     rising_ints,
     stopping_rules,
 )
-from vernier_tools.shared_options import blend_scene, film, several_scenes
+from vernier_tools.shared_options import (
+    blend_scene,
+    film,
+    output_by_scene,
+    output_folder,
+    several_scenes,
+)
 
 
 def progress(arguments: Sequence[str]) -> argparse.Namespace:
@@ -36,9 +41,7 @@ def progress(arguments: Sequence[str]) -> argparse.Namespace:
         "--integrator", type=settings.Setting("integrator"), default="AUTO", metavar="NAME"
     )
     film(parser)
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="default: out/progress/SCENE"
-    )
+    output_by_scene(parser, "progress")
     return parser.parse_args(arguments)
 
 
@@ -46,6 +49,26 @@ def core_integrators(text: str) -> tuple[str, ...]:
     """Integrators separated by commas, as the core names them."""
     check = settings.Setting("integrator")
     return tuple(str(check(name)) for name in text.split(","))
+
+
+def core_methods(parser: argparse.ArgumentParser, usual: tuple[str, ...], what: str) -> None:
+    """Adds the choice of methods."""
+    parser.add_argument(
+        "--integrators",
+        type=core_integrators,
+        default=usual,
+        metavar="NAME,...",
+        help=f"{what} ({','.join(usual).lower()})",
+    )
+
+
+def small_renders(parser: argparse.ArgumentParser, runs: int, width: int) -> None:
+    """Adds how many renders there are of each kind, and how large they are."""
+    parser.add_argument("--runs", type=positive_int, default=runs, help=f"renders of each ({runs})")
+    parser.add_argument(
+        "--width", type=positive_int, default=width, help=f"of pictures, pixels ({width})"
+    )
+    parser.add_argument("--threads", type=positive_int, default=1, help="(1)")
 
 
 def calibrate(arguments: Sequence[str]) -> argparse.Namespace:
@@ -57,13 +80,7 @@ def calibrate(arguments: Sequence[str]) -> argparse.Namespace:
         "their stated 95 % half-width, and the picture's error as stated and as it is.",
     )
     several_scenes(parser)
-    parser.add_argument(
-        "--integrators",
-        type=core_integrators,
-        default=("PATH", "BDPT"),
-        metavar="NAME,...",
-        help="unbiased methods (path,bdpt)",
-    )
+    core_methods(parser, ("PATH", "BDPT"), "unbiased methods")
     parser.add_argument(
         "--rules",
         type=stopping_rules,
@@ -71,8 +88,7 @@ def calibrate(arguments: Sequence[str]) -> argparse.Namespace:
         metavar="RULE,...",
         help="a number of batches, target=PERCENT or time=SECONDS (16,64,target=20,time=1)",
     )
-    parser.add_argument("--runs", type=positive_int, default=8, help="renders of each (8)")
-    parser.add_argument("--width", type=positive_int, default=40, help="of pictures, pixels (40)")
+    small_renders(parser, 8, 40)
     parser.add_argument(
         "--reference",
         type=settings.Setting("integrator"),
@@ -83,15 +99,7 @@ def calibrate(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--reference-samples", type=positive_int, default=8192, metavar="N", help="of it (8192)"
     )
-    parser.add_argument("--threads", type=positive_int, default=1, help="(1)")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("out", "calibrate"),
-        metavar="DIR",
-        help="default: %(default)s",
-    )
+    output_folder(parser, "calibrate")
     return parser.parse_args(arguments)
 
 
@@ -104,21 +112,14 @@ def methods(arguments: Sequence[str]) -> argparse.Namespace:
         "processor time that each needs to a true error, and what Auto chose.",
     )
     several_scenes(parser)
-    parser.add_argument(
-        "--integrators",
-        type=core_integrators,
-        default=("PATH", "BDPT", "MMLT", "MLT"),
-        metavar="NAME,...",
-        help="to be measured (path,bdpt,mmlt,mlt)",
-    )
+    core_methods(parser, ("PATH", "BDPT", "MMLT", "MLT"), "to be measured")
     parser.add_argument(
         "--seconds", type=positive_float, default=2.0, help="of processor time a render (2)"
     )
     parser.add_argument(
         "--reference-time", type=positive_float, default=40.0, help="seconds a reference (40)"
     )
-    parser.add_argument("--runs", type=positive_int, default=4, help="renders of each (4)")
-    parser.add_argument("--width", type=positive_int, default=48, help="of pictures, pixels (48)")
+    small_renders(parser, 4, 48)
     parser.add_argument(
         "--variations",
         action="store_true",
@@ -131,13 +132,5 @@ def methods(arguments: Sequence[str]) -> argparse.Namespace:
         help="measure adaptive sampling instead: time to this error with and without it, by path "
         "tracing",
     )
-    parser.add_argument("--threads", type=positive_int, default=1, help="(1)")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("out", "methods"),
-        metavar="DIR",
-        help="default: %(default)s",
-    )
+    output_folder(parser, "methods")
     return parser.parse_args(arguments)

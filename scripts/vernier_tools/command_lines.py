@@ -28,6 +28,8 @@ from vernier_tools.shared_options import (
     default_cache,
     film,
     measuring,
+    output_by_scene,
+    output_folder,
     several_scenes,
 )
 
@@ -138,9 +140,7 @@ def compare(arguments: Sequence[str]) -> argparse.Namespace:
         help="the two to compare (default vernier,cycles); cycles,cycles shows what noise alone "
         "does",
     )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="default: out/compare/SCENE"
-    )
+    output_by_scene(parser, "compare")
     options = parser.parse_args(arguments)
     if len(options.engines) != 2:
         parser.error("argument --engines takes two of " + ", ".join(ENGINES))
@@ -182,14 +182,7 @@ def benchmark(arguments: Sequence[str]) -> argparse.Namespace:
         metavar="N",
         help="of the photon maps that are measured, in millions (1)",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("out", "benchmark"),
-        metavar="DIR",
-        help="default: %(default)s",
-    )
+    output_folder(parser, "benchmark")
     return parser.parse_args(arguments)
 
 
@@ -219,14 +212,7 @@ def extremes(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--time", type=positive_float, metavar="SECONDS", help="after these, write what there is"
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("out", "extremes"),
-        metavar="DIR",
-        help="default: %(default)s",
-    )
+    output_folder(parser, "extremes")
     return parser.parse_args(arguments)
 
 
@@ -245,14 +231,7 @@ def sanitize(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("--seed", type=positive_int, default=1)
     parser.add_argument("--build", type=Path, metavar="DIR", help="another folder for the build")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("out", "sanitize"),
-        metavar="DIR",
-        help="where a file at fault is left (%(default)s)",
-    )
+    output_folder(parser, "sanitize", "where a file at fault is left")
     return parser.parse_args(arguments)
 
 
@@ -274,9 +253,7 @@ def tradeoff(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("--repeats", type=positive_int, default=2, help="renders of each (2)")
     measuring(parser, tuple(ENGINES), ("vernier-bdpt",), 240.0)
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="default: out/tradeoff/SCENE"
-    )
+    output_by_scene(parser, "tradeoff")
     return parser.parse_args(arguments)
 
 
@@ -312,14 +289,7 @@ def verify(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--references", type=Path, default=default_cache(), metavar="DIR", help="keep them there"
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("out", "verify"),
-        metavar="DIR",
-        help="where figures add up (default: %(default)s)",
-    )
+    output_folder(parser, "verify", "where figures add up (default: %(default)s)")
     options = parser.parse_args(arguments)
     if options.pictures < 4:
         parser.error("argument --pictures: a variance takes 4 at least")

@@ -77,3 +77,17 @@ def several_scenes(parser: argparse.ArgumentParser) -> None:
         metavar="NAME,...",
         help="names in blend_scenes/, or paths (default: all of blend_scenes/)",
     )
+
+
+def output_folder(parser: argparse.ArgumentParser, name: str, what: str = "") -> None:
+    """Adds the folder that the command writes into, by default out/NAME."""
+    default = Path("out", name)
+    help_text = f"{what} ({default})" if what else f"default: {default}"
+    parser.add_argument("-o", "--output", type=Path, default=default, metavar="DIR", help=help_text)
+
+
+def output_by_scene(parser: argparse.ArgumentParser, name: str) -> None:
+    """Adds the same, by default out/NAME/SCENE; None where it is not given."""
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help=f"default: out/{name}/SCENE"
+    )

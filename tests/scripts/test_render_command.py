@@ -84,14 +84,17 @@ def test_an_interrupted_render_leaves_its_state(tool: Tool, tmp_path: Path) -> N
         text=True,
     )
     assert process.stderr is not None
-    samples = 0
-    while samples < 4:
-        line = process.stderr.readline()
-        assert line, "ended before it rendered"
-        found = re.search(r"Sample (\d+)/", line)
-        samples = int(found[1]) if found else samples
-    process.send_signal(signal.SIGTERM)
-    process.communicate(timeout=60)
+    try:
+        samples = 0
+        while samples < 4:
+            line = process.stderr.readline()
+            assert line, "ended before it rendered"
+            found = re.search(r"Sample (\d+)/", line)
+            samples = int(found[1]) if found else samples
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert (tmp_path / "a.state").stat().st_size > 32 * 24 * 50
     done = tool(
         "render", *common, "--integrator", "path", "-o", "b.exr", "--samples", "1",

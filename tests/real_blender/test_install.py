@@ -5,6 +5,8 @@ from __future__ import annotations
 import zipfile
 from pathlib import Path
 
+import pytest
+
 from .conftest import install
 from .machine import Machine
 
@@ -77,6 +79,33 @@ def test_it_replaces_an_older_one(machine: Machine, extension: Path, empty_profi
     assert "0.0.1" not in libraries[0].name
     code, text = engine(machine, empty_profile)
     assert code == 0, text
+
+
+@pytest.mark.parametrize(
+    ("declared", "demanded", "said"),
+    [
+        ('blender_version_min = "4.5.0"', 'blender_version_min = "99.0.0"', "99.0.0"),
+        ('platforms = ["linux-x64"]', 'platforms = ["windows-x64"]', "windows-x64"),
+    ],
+    ids=["version", "platform"],
+)
+def test_it_is_refused_where_it_does_not_run(
+    machine: Machine, extension: Path, empty_profile: Path, declared: str, demanded: str, said: str
+) -> None:
+    other = empty_profile / "vernier-other.zip"
+    with zipfile.ZipFile(extension) as source, zipfile.ZipFile(other, "w") as target:
+        for item in source.infolist():
+            data = source.read(item)
+            if item.filename.endswith("blender_manifest.toml"):
+                assert declared.encode() in data
+                data = data.replace(declared.encode(), demanded.encode())
+            target.writestr(item.filename, data)
+    command = ["--command", "extension", "install-file", "-r", "user_default", "-e"]
+    done = machine.run_blender([*command, machine.path(other)], empty_profile)
+    text = done.stdout + done.stderr
+    assert said in text
+    assert "Traceback" not in text
+    assert leftovers(empty_profile) == [other]
 
 
 def repack(source: Path, target: Path, version: str) -> None:

@@ -98,10 +98,6 @@ std::vector<double> blurred(const std::vector<double>& cells) {
   return result;
 }
 
-}  // namespace
-
-namespace {
-
 // Whether a direction may be drawn at a rough surface without a lobe: what comes after must not
 // depend on which one it was.
 bool may_guide(const RenderContext& context) {

@@ -25,7 +25,8 @@ struct Ground : ProbeRender {
   const std::unique_ptr<const Plan> plan;
 
   Ground(nb::handle handle, const std::map<std::string, SettingValue>& values)
-      : ProbeRender(handle, values), plan(make_metropolis_plan(context(), 1, stats)) {}
+      : ProbeRender(handle, values), plan(make_metropolis_plan(ProbeRender::context(), 1, stats)) {}
+  RenderContext context() const { return ProbeRender::context(plan.get()); }
 };
 
 double mutate(const std::string& name, PathSpace& space, const PathState& from, PathState& to) {
@@ -56,7 +57,7 @@ struct MutationChain {
   MarkovChain<PathState> chain;
 
   MutationChain(nb::handle handle, const std::map<std::string, SettingValue>& values, uint64_t seed)
-      : ground(handle, values), context(ground.context(ground.plan.get())), space(context, stats) {
+      : ground(handle, values), context(ground.context()), space(context, stats) {
     PathExplorer explorer(context, stats);
     PrimaryEvaluator evaluator(context, stats, true);
     Pcg32 rng(seed);

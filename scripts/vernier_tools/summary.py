@@ -27,10 +27,8 @@ ENDINGS = {
 
 
 def engine_text(text: str) -> str:
-    """The engine's own part of a statistics line of Blender's, without "SCENE, VIEW LAYER" too."""
+    """The engine's own part of a statistics line of Blender's."""
     parts = [part for part in text.split(" | ") if not part.startswith(BLENDER_PREFIXES)]
-    if len(parts) > 1 and text.startswith("Fra:"):
-        parts = parts[1:]
     return " | ".join(parts)
 
 

@@ -19,15 +19,16 @@ def markdown(figures: Mapping[str, Any]) -> str:
     """The table of a scene, and what failed."""
     targets = list(next(iter(figures["engines"].values()))["seconds_to"])
     head = ["Method", "slope", *(f"s to {target}" for target in targets)]
-    head += ["error", "bias of the mean", "FLIP", "memory, MiB"]
+    head += ["error", "95 % of pixels below", "bias of the mean", "FLIP", "memory, MiB"]
     rows = [f"| {' | '.join(head)} |", "|---|" + "---:|" * (len(head) - 1)]
     for engine, row in figures["engines"].items():
         cells = [
             ENGINES[engine],
             f"{row['slope']:.2f}",
             *(seconds_text(value, row["measured_to"]) for value in row["seconds_to"].values()),
-            f"{100 * row['error']:.2g} %",
-            f"{100 * row['bias']:+.2f} ± {100 * row['bias_error']:.2f} %",
+            f"{two_digits(100 * row['error'])} %",
+            f"{two_digits(100 * row['percentile'])} %",
+            bias_text(row["bias"], row["bias_error"]),
             f"{row['flip']:.3f}",
             f"{row['memory'] / 2**20:.0f}",
         ]
@@ -38,12 +39,22 @@ def markdown(figures: Mapping[str, Any]) -> str:
     )
 
 
+def two_digits(value: float) -> str:
+    """Two digits, yet never an exponent, which `.2g` writes from 99.5 on."""
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
+
+
+def bias_text(bias: float, error: float) -> str:
+    """Without an error where there is one render only."""
+    known = f" ± {100 * error:.2f}" if math.isfinite(error) else ""
+    return f"{100 * bias:+.2f}{known} %"
+
+
 def seconds_text(seconds: float, measured_to: float) -> str:
     """In parentheses where it lies beyond what was measured."""
     if not math.isfinite(seconds) or seconds > 1e7:
         return "(never)"
-    # Two digits, yet never an exponent, which `.2g` writes from 99.5 on.
-    text = f"{seconds:.2g}" if seconds < 99.5 else f"{seconds:.0f}"
+    text = two_digits(seconds)
     return text if seconds <= 1.5 * measured_to else f"({text})"
 
 

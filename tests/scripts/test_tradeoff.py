@@ -42,6 +42,10 @@ def test_the_table_marks_what_was_not_measured() -> None:
     text = tradeoff_page.markdown(figures)
     assert "| Vernier | -0.50 | 4 | (16) | (100) | (400) | 7.1 % |" in text
     assert "it rained" in text
+    figures["engines"] = {"vernier": tradeoff.summary(points(0.0, 12.0)[:1])}
+    text = tradeoff_page.markdown(figures)
+    assert "| 1200 % | 1200 % | +0.10 % |" in text
+    assert "nan" not in text
 
 
 def test_errors_of_pictures() -> None:

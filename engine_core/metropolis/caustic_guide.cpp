@@ -15,33 +15,43 @@ namespace {
 constexpr uint32_t kTrial = 1u << 12;
 // Squared angles: of lobes without neighbours, and the least of all.
 constexpr float kLoneWidth = 2.5e-3f, kLeastWidth = 1e-5f;
+// Of what divides a lobe's density: 0 only where there is no lobe.
+constexpr float kLeastSpread = 1e-12f;
 // Cosine between normals of surfaces that share photons.
 constexpr float kSameSide = 0.5f;
 
 }  // namespace
 
-void DirectionLobes::add(Vec3f axis, float weight) { lobes_[count_++] = {axis, weight, 0.0f}; }
+void DirectionLobes::add(Vec3f axis, float weight) {
+  x_[count_] = axis.x, y_[count_] = axis.y, z_[count_] = axis.z;
+  weight_[count_++] = weight;
+}
 
 void DirectionLobes::finish() {
   float total = 0.0f;
-  for (size_t i = 0; i < count_; ++i) {
-    total += lobes_[i].weight;
-    // To the second nearest: two photons may be close by chance.
-    float nearest = kInfinity, second = kInfinity;
-    for (size_t j = 0; j < count_; ++j) {
-      if (j != i) {
-        const float d2 = length_squared(lobes_[i].axis - lobes_[j].axis);
-        second = std::min(second, std::max(nearest, d2));
-        nearest = std::min(nearest, d2);
-      }
-    }
-    lobes_[i].alpha2 = second < kInfinity ? std::max(second, kLeastWidth) : kLoneWidth;
+  for (const float weight : weight_) {
+    total += weight;
   }
   if (!(total > 0.0f)) {
     count_ = 0;
+    return;
   }
-  for (size_t i = 0; i < count_; ++i) {
-    lobes_[i].weight /= total;
+  // Squared distances to the nearest, which is the lobe itself, and to the next two. The width is
+  // that to the second neighbour: two photons may be close by chance.
+  std::array<float, kMost> nearest, second, third;
+  nearest.fill(kInfinity), second.fill(kInfinity), third.fill(kInfinity);
+  for (size_t j = 0; j < count_; ++j) {
+    const float x = x_[j], y = y_[j], z = z_[j];
+    for (size_t i = 0; i < kMost; ++i) {
+      const float d2 = square(x_[i] - x) + square(y_[i] - y) + square(z_[i] - z);
+      third[i] = std::min(third[i], std::max(second[i], d2));
+      second[i] = std::min(second[i], std::max(nearest[i], d2));
+      nearest[i] = std::min(nearest[i], d2);
+    }
+  }
+  for (size_t i = 0; i < kMost; ++i) {
+    alpha2_[i] = third[i] < kInfinity ? std::max(third[i], kLeastWidth) : kLoneWidth;
+    weight_[i] /= total;
   }
 }
 
@@ -49,28 +59,32 @@ void DirectionLobes::finish() {
 // equations 33 and 35), with tan(theta)^2 in place of the cosine where that would cancel.
 Vec3f DirectionLobes::sample(float u_lobe, Vec2f u) const {
   size_t i = 0;
-  for (; i + 1 < count_ && !(u_lobe < lobes_[i].weight); ++i) {
-    u_lobe -= lobes_[i].weight;
+  for (; i + 1 < count_ && !(u_lobe < weight_[i]); ++i) {
+    u_lobe -= weight_[i];
   }
-  const float tan2 = lobes_[i].alpha2 * u.x / (1.0f - u.x);
+  const float tan2 = alpha2_[i] * u.x / (1.0f - u.x);
   const float cosine = 1.0f / std::sqrt(1.0f + tan2);
   const float sine = cosine * std::sqrt(tan2);
   const float phi = kTwoPi * u.y;
-  return normalize(
-      Frame(lobes_[i].axis).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
+  return normalize(Frame(Vec3f{x_[i], y_[i], z_[i]})
+                       .to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
 }
 
 double DirectionLobes::pdf(Vec3f w) const {
+  if (count_ == 0) {
+    return 0.0;
+  }
+  std::array<float, kMost> terms;
+  for (size_t i = 0; i < kMost; ++i) {
+    const Vec3f axis{x_[i], y_[i], z_[i]};
+    const float cosine = std::max(dot(axis, w), 0.0f);
+    // Widths are at least kLeastWidth: nothing here is too small or too large for a float.
+    const float spread = alpha2_[i] * cosine * cosine + length_squared(cross(axis, w));
+    terms[i] = weight_[i] * alpha2_[i] * cosine / square(std::max(spread, kLeastSpread));
+  }
   double sum = 0.0;
-  for (size_t i = 0; i < count_; ++i) {
-    const Lobe& lobe = lobes_[i];
-    const auto cosine = static_cast<double>(dot(lobe.axis, w));
-    if (cosine > 0.0) {
-      const auto alpha2 = static_cast<double>(lobe.alpha2);
-      const double spread =
-          alpha2 * cosine * cosine + static_cast<double>(length_squared(cross(lobe.axis, w)));
-      sum += static_cast<double>(lobe.weight) * alpha2 * cosine / (spread * spread);
-    }
+  for (const float term : terms) {
+    sum += static_cast<double>(term);
   }
   return sum * static_cast<double>(kInvPi);
 }

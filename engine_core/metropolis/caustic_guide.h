@@ -35,11 +35,9 @@ class DirectionLobes {
   void finish();
 
  private:
-  struct Lobe {
-    Vec3f axis;
-    float weight = 0, alpha2 = 0;
-  };
-  std::array<Lobe, kMost> lobes_;
+  // Arrays of numbers, which are worked on several at a time. What is beyond the lobes weighs
+  // nothing.
+  std::array<float, kMost> x_{}, y_{}, z_{}, weight_{}, alpha2_{};
   size_t count_ = 0;
 };
 

@@ -9,7 +9,7 @@
 #pragma once
 
 #include <array>
-#include <cmath>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -25,14 +25,15 @@ inline constexpr uint32_t kChoiceDimension = 0xffffffffu;
 // The numbers of what goes on from a path by a guide come after those of all walks.
 inline constexpr uint32_t kFirstGuideDimension = 1u << 31;
 
-// Moves u within [0,1), around its ends, by a distance between 1/1024 and 1/16 whose logarithm is
-// uniform, to either side (Kelemen et al. 2002, section 3.2, where it ends at 1/64: measured, that
-// mixes more slowly). `bits` are random.
+// Moves u within [0,1), around its ends, by a distance between 1/1024 and 1/16 to either side: in
+// each octave equally often, and there uniform (about as Kelemen et al. 2002, section 3.2, who end
+// at 1/64: measured, that mixes more slowly). `bits` are random.
 inline float small_step(float u, uint32_t bits) {
-  constexpr float kLargest = 1.0f / 16.0f;
-  constexpr float kLog2Range = 6.0f;  // between the largest and the smallest
-  const float size = kLargest * std::exp2(-kLog2Range * to_unit_float(bits));
-  const float moved = u + ((bits & 1u) != 0 ? size : -size);
+  constexpr uint32_t kOctaves = 6, kLargestExponent = 127 - 5;  // [1/32, 1/16)
+  // A float of 23 random bits, of an exponent by 8 others, and a sign.
+  const uint32_t exponent = kLargestExponent - ((((bits >> 1) & 0xffu) * kOctaves) >> 8);
+  const auto step = std::bit_cast<float>((bits << 31) | (exponent << 23) | (bits >> 9));
+  const float moved = u + step;
   // Once around; what rounds to 1 is 0.
   const float turned = moved < 0.0f ? moved + 1.0f : moved;
   return turned < 1.0f ? turned : turned - 1.0f;

@@ -136,8 +136,9 @@ Path plain_path(const PathSpace& space, const PathState& state) {
 }
 
 // Paths that mutations visit. For each: by surface the logarithms of both walks' area densities (as
-// technique_pdfs.h has them) and of refraction, and whether it is singular; the densities of its
-// end; and by (a, b) the logarithm of the density with which the rest is grown between them.
+// technique_pdfs.h has them), of refraction, of passing what is before the surface (and, last, the
+// light) and of either walk's not passing the surface, and whether it is singular; the densities of
+// its end; and by (a, b) the logarithm of the density with which the rest is grown between them.
 nb::list grown_densities(nb::handle handle, const std::map<std::string, SettingValue>& values,
                          uint64_t count, uint64_t seed) {
   MutationChain chain(handle, values, seed);
@@ -153,13 +154,20 @@ nb::list grown_densities(nb::handle handle, const std::map<std::string, SettingV
     nb::dict row;
     row["log_camera"] = pdfs.log_camera;
     row["log_light"] = pdfs.log_light;
-    std::vector<double> refraction, to_light;
+    std::vector<double> refraction, to_light, passes, stops_camera, stops_light;
     std::vector<int> singular;
     for (const ChainVertex& v : state.v) {
       refraction.push_back(v.log_refraction);
       to_light.push_back(v.pdf_to_light);
       singular.push_back(v.event != 0 ? 1 : 0);
+      passes.push_back(v.before.log_pdf);
+      stops_camera.push_back(v.log_stop_camera);
+      stops_light.push_back(v.log_stop_light);
     }
+    passes.push_back(state.end.before.log_pdf);
+    row["log_passes"] = passes;
+    row["log_stops_camera"] = stops_camera;
+    row["log_stops_light"] = stops_light;
     row["log_refraction"] = refraction;
     row["pdf_to_light"] = to_light;
     row["singular"] = singular;

@@ -6,17 +6,17 @@
 namespace vernier {
 
 Kernel mlt_kernel(const Settings& settings, const Requirements& requirements, PassSet passes) {
-  // What a path as a value does not tell: what it has passed straight through, and what its rays
+  // What a path as a value does not tell: how its walks came to its surfaces, and what their rays
   // were to what they met.
   std::string why;
-  if (requirements.transparent_shadows) {
-    why = "some surfaces let light straight through";
-  } else if (requirements.path_dependent) {
+  if (requirements.path_dependent) {
     why = "some materials read what the path has been through";
   } else if (requirements.hidden_from_rays || requirements.uneven_visibility) {
     why = "some objects are hidden from some kinds of rays";
   } else if (BounceLimits::by_kind(settings)) {
     why = "bounces are limited by kind";
+  } else if (requirements.transparent_shadows && settings.transparent_bounces >= 0) {
+    why = "the number of surfaces that light passes straight through is limited";
   }
   if (why.empty()) {
     Kernel kernel = metropolis_kernel<PathExplorer>(settings, requirements, passes);

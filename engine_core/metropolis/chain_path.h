@@ -16,14 +16,24 @@
 
 namespace vernier {
 
+// What two vertices see each other through: surfaces that let light straight through are no
+// vertices of a path.
+struct Passage {
+  Color transmittance = splat(1.0f);
+  double log_pdf = 0;  // logarithm of the probability that a walk passes them all
+};
+
 struct ChainVertex {
   SurfacePoint point;  // wo: to the camera
+  Passage before;      // toward the camera
   Vec3f to_light;      // unit, to the next vertex
   uint8_t event = 0;   // LobeBits of a singular event; 0: smooth scattering
   // What PathSpace::evaluate() finds.
   Color f;
   double pdf_to_light = 0, pdf_to_camera = 0;  // of either direction; singular: of the choice
   double log_refraction = 0;
+  // Logarithms of the probabilities that the walk of either side does not pass the surface.
+  double log_stop_camera = 0, log_stop_light = 0;
   bool matte = false;  // smooth and rough enough to be joined to others
   bool stops = false;  // some lobe is smooth: replace_lens_subpath() goes no further
 };
@@ -37,6 +47,7 @@ struct ChainLight {
   double pdf_sampled = 0;  // by light sampling
   double pdf_emitted = 0;  // of the ray by emission
   double pdf_met = 0;      // the part of rays that meet the light, where a ray meets several
+  Passage before;          // toward the last surface
 };
 
 // A path, its splat and its target. What of its density is geometry stands apart, as a logarithm.
@@ -61,16 +72,16 @@ class PathSpace {
   // Appends the surface that the last one scatters to.
   bool extend(PathState& path);
   // Appends the surface in the direction that the last one has been given.
-  bool follow(PathState& path) const;
+  bool follow(PathState& path);
   // The direction of the singular event of these bits at a surface seen along wo.
   bool singular_direction(const SurfacePoint& point, uint8_t event, Vec3f& wi);
   // Makes the surface that a ray from a light meets, or which surface `from`, as met from its
   // light, scatters to. The result's to_light is set, and its point as seen from there.
   bool emit(ChainVertex& first, ChainLight& end);
   bool extend_from_light(ChainVertex& from, ChainVertex& next);
-  bool follow_from_light(const SurfacePoint& from, Vec3f direction, ChainVertex& next) const;
+  bool follow_from_light(ChainVertex& from, Vec3f direction, ChainVertex& next);
   // The surface that a ray of a light meets; what of the light itself is in the way is passed.
-  bool trace_from(Ray ray, uint32_t light, ChainVertex& first) const;
+  bool trace_from(const Ray& ray, uint32_t light, ChainVertex& first);
   // Whether some lobe of the last surface is smooth.
   bool stops(const PathState& path);
 
@@ -78,6 +89,10 @@ class PathSpace {
 
   // Joins surfaces i and i + 1 by smooth scattering. False: something is in between.
   bool join(PathState& path, size_t i) const;
+  // Finds what lies between surfaces i and i + 1, which are as they are; and, where they have been
+  // given their light, between the first surface and the lens. False: it lets nothing through.
+  bool see_between(PathState& path, size_t i) const;
+  bool see_to_lens(PathState& path) const;
   // Joins the first surface to the lens.
   bool join_lens(PathState& path);
   // Joins the last surface to a light that is sampled for it.
@@ -105,6 +120,9 @@ class PathSpace {
   // |cos| and squared distance over the edge between surfaces i and i + 1.
   double log_distance2(const PathState& path, size_t i) const;
 
+  // Whether surfaces may let light straight through.
+  bool passes() const { return transparent_; }
+
   float random() { return rng_.next_float(); }
   Vec2f random_2d() {
     const float x = random();
@@ -119,7 +137,13 @@ class PathSpace {
 
  private:
   void load(const SurfacePoint& point, Transport mode, PathVertex& v) const;
-  bool trace(const Ray& ray, SurfacePoint& point) const;
+  bool may_pass(const SurfacePoint& point) const {
+    return transparent_ && scene_.materials[point.material]->traits().maybe_transparent;
+  }
+  double log_stop(const SurfacePoint& seen_from_camera) const;
+  bool trace(Ray ray, Transport mode, SurfacePoint& point, Passage& passed,
+             uint32_t light = kNoIndex);
+  bool see_through(const Ray& segment, Passage& passed) const;
   Receiver receiver(const SurfacePoint& point);
   bool look(PathState& path, uint32_t wanted);
   void evaluate(ChainVertex& v);
@@ -128,6 +152,9 @@ class PathSpace {
   const LightSampler& lights_;
   RenderStats& stats_;
   const double light_share_;
+  const bool transparent_;  // surfaces may let light straight through
+  // Of these walks choose, after having chosen not to pass straight through.
+  const uint8_t lobes_;
   Pcg32 rng_{0};
   PathVertex scratch_;
   mutable std::vector<double> scratch_logs_;

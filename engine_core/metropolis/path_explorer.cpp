@@ -61,6 +61,11 @@ bool take_path(PathSpace& space, const FoundPath& found, const BidirectionalMemo
     v.event = joined ? uint8_t{0} : space.event_toward(v.point, v.to_light);
   }
   path.end.light = found.light;
+  for (size_t i = 0; space.passes() && i < k; ++i) {
+    if (!(i > 0 ? space.see_between(path, i - 1) : space.see_to_lens(path))) {
+      return false;
+    }
+  }
   return space.see_lens(raster, path) && space.see_light(path) && space.evaluate(path);
 }
 

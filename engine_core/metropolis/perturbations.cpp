@@ -64,11 +64,13 @@ double log_cosine(const SurfacePoint& point, Vec3f w) {
 }
 
 // What turns the density of a perturbation of the camera's part, symmetric in raster and angles,
-// into one over areas.
+// into one over areas, and over what is passed.
 double log_camera_areas(const PathSpace& space, const PathState& path, size_t c) {
-  double sum = std::log(path.pdf_across) + log_cosine(path.v[0].point, path.v[0].point.wo);
-  for (size_t i = 1; i < c; ++i) {
-    sum += log_cosine(path.v[i].point, path.v[i].point.wo) - space.log_distance2(path, i - 1);
+  double sum = std::log(path.pdf_across);
+  for (size_t i = 0; i < c; ++i) {
+    const ChainVertex& v = path.v[i];
+    sum += log_cosine(v.point, v.point.wo) + v.before.log_pdf + v.log_stop_camera;
+    sum -= i > 0 ? space.log_distance2(path, i - 1) : 0.0;
   }
   if (c == path.v.size()) {
     sum += std::log(path.v[c - 1].matte ? path.end.pdf_sampled : path.end.pdf_met);
@@ -80,7 +82,9 @@ double log_camera_areas(const PathSpace& space, const PathState& path, size_t c)
 double log_light_areas(const PathSpace& space, const PathState& path, size_t m) {
   double sum = 0.0;
   for (size_t i = 0; i < m; ++i) {
-    sum += log_cosine(path.v[i].point, path.v[i].to_light) - path.v[i].log_refraction;
+    const ChainVertex& v = path.v[i];
+    sum += log_cosine(v.point, v.to_light) - v.log_refraction + v.log_stop_light;
+    sum += (i + 1 < path.v.size() ? path.v[i + 1].before : path.end.before).log_pdf;
     if (i + 1 < path.v.size()) {
       sum -= space.log_distance2(path, i);
     } else if (space.context.scene.lights->is_point(path.end.light)) {
@@ -190,7 +194,7 @@ double perturb_from_light(PathSpace& space, const PathState& from, PathState& to
     const Vec3f w = moved(space, kept.point.wo);
     kept.point = seen_from(kept.point, w);
     ChainVertex first;
-    if (!space.follow_from_light(kept.point, w, first)) {
+    if (!space.follow_from_light(kept, w, first)) {
       return kNever;
     }
     grown.push_back(first);
@@ -209,7 +213,7 @@ double perturb_from_light(PathSpace& space, const PathState& from, PathState& to
     }
     v.point = seen_from(v.point, w);
     ChainVertex next;
-    if (!space.follow_from_light(v.point, w, next)) {
+    if (!space.follow_from_light(v, w, next)) {
       return kNever;
     }
     grown.push_back(next);

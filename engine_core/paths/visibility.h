@@ -16,10 +16,11 @@ struct SegmentContext {
 
 // Product of the straight transparency of the surfaces that `intersect(ray, hit)` finds along
 // `ray`. `depth` and `flags` are what their materials may read of the path; `path_dependent`, where
-// given, is set when one of them does read it.
-template <class Intersect>
+// given, is set when one of them does read it. passed_one(Color) is told of each one's
+// transparency.
+template <class Intersect, class Passed>
 Color pass_surfaces(const SegmentContext& context, Ray ray, const PathDepth& depth, uint32_t flags,
-                    bool* path_dependent, const Intersect& intersect) {
+                    bool* path_dependent, const Intersect& intersect, const Passed& passed_one) {
   const Scene& scene = context.scene;
   Color result = splat(1.0f);
   const Vec3f end = ray.o + ray.d * ray.t_max;
@@ -37,7 +38,9 @@ Color pass_surfaces(const SegmentContext& context, Ray ray, const PathDepth& dep
     if (path_dependent != nullptr && material.traits().path_dependent) {
       *path_dependent = true;
     }
-    result *= material.transparency(point);
+    const Color transparency = material.transparency(point);
+    passed_one(transparency);
+    result *= transparency;
     if (is_black(result)) {
       return {};
     }
@@ -64,7 +67,8 @@ Color transmittance(const SegmentContext& context, const Ray& ray, const PathDep
   if constexpr (Transparent) {
     return pass_surfaces(
         context, ray, depth, kRayShadow, path_dependent,
-        [&](const Ray& r, Hit& hit) { return context.scene.intersect_transparent(r, hit); });
+        [&](const Ray& r, Hit& hit) { return context.scene.intersect_transparent(r, hit); },
+        [](Color) {});
   }
   return splat(1.0f);
 }
@@ -78,7 +82,8 @@ Color camera_transmittance(const SegmentContext& context, const Ray& ray, bool* 
   }
   return pass_surfaces(
       context, ray, PathDepth{}, kRayCamera, path_dependent,
-      [&](const Ray& r, Hit& hit) { return context.scene.intersect(r, kVisibleCamera, hit); });
+      [&](const Ray& r, Hit& hit) { return context.scene.intersect(r, kVisibleCamera, hit); },
+      [](Color) {});
 }
 
 }  // namespace vernier

@@ -33,6 +33,7 @@ SCENES: dict[str, Builder] = {
         f"camera {name}": partial(build, "fresnel", "many", name)
         for name in ("focus_blades", "orthographic_focus", "crop", "clipped")
     },
+    "sheet": partial(build, "glass", "many", "focus", "facing_sheet"),
     "camera_only": partial(build, "principled", "many", "pinhole", "camera_only"),
 }  # fmt: skip
 
@@ -96,6 +97,14 @@ def test_threads_change_no_more_than_the_order_of_sums(method: str) -> None:
     ]
     for image in images[1:]:
         assert (abs(image - images[0]) <= 2 * np.finfo(np.float32).eps * abs(images[0])).all()
+
+
+def test_whole_paths_pass_what_is_clear() -> None:
+    made = session(build("half_clear", "many", size=(4, 4)), integrator="MLT", samples=1)
+    assert not any("Multiplexed" in note for note in made.notes)
+    limited = session(build("half_clear", "many", size=(4, 4)), integrator="MLT", samples=1,
+                      transparent_bounces=3)  # fmt: skip
+    assert any("Multiplexed" in note and "limited" in note for note in limited.notes)
 
 
 def session(builder: SceneBuilder, **settings: Any) -> Any:

@@ -1,13 +1,14 @@
 #include "bidirectional/join_pilot.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "bidirectional/coarse_picture.h"
+#include "bidirectional/own_path_tally.h"
 #include "bidirectional/pilot_loop.h"
 #include "bidirectional/shared_paths.h"
 #include "math/parallel.h"
@@ -26,9 +27,6 @@ constexpr uint32_t kPathsPerSample = 4;
 constexpr uint32_t kJoins = 8;
 // Light cells, at most, as a logarithm, and of camera cells that much less.
 constexpr int kMostLog2Cells = 8, kLog2Fewer = 3;
-// Pixels darker than this part of the picture's mean count as that bright: what a picture's error
-// is relative to (render/accuracy.h).
-constexpr double kDarkest = 0.1;
 // A single contribution counts no more than this many times the picture there.
 constexpr double kLargest = 16.0;
 // Paths are shared where the product of variance and rays falls below this part of what it is
@@ -41,55 +39,57 @@ constexpr uint32_t kParts = 16;
 // error is judged relative to its brightness.
 class JoinTally {
  public:
-  explicit JoinTally(const FilmDesc& film) : film_(film) {}
+  explicit JoinTally(const FilmDesc& film) : picture_(film), own_(film) {}
 
   void emitted(const EmissionSample&) {}
+  void traced_light(uint64_t rays) { own_.traced_light(rays); }
   void found(const FoundPath& path) {
     const float amount = max_component(path.contribution);
+    own_.found(path);
     if (path.t == 1) {
-      // The splats of as many samples as there are pixels make the frame.
-      light_[pixel(path.raster)] += static_cast<double>(amount) * kPixels;
+      picture_.add(picture_.pixel(path.raster), amount);
     } else if (path.s >= 2) {
       joins_.push_back({path.z->point.p, path.y->point.p, amount, 0});
     }
   }
   // The sample whose paths were found is done.
   void sampled(Vec2f raster, Color radiance, const Subpath& camera) {
-    const size_t at = pixel(raster);
-    values_.push_back({max_component(radiance), static_cast<uint32_t>(at)});
-    light_[at] += static_cast<double>(max_component(radiance)) * kPixels;
+    const uint32_t at = picture_.pixel(raster);
+    values_.push_back({max_component(radiance), at});
+    picture_.add(at, max_component(radiance));
+    picture_.count_sample();
+    own_.sampled(raster);
     for (; placed_ < joins_.size(); ++placed_) {
-      joins_[placed_].pixel = static_cast<uint32_t>(at);
+      joins_[placed_].pixel = at;
     }
     for (uint32_t i = 0; i < camera.size(); ++i) {
       if (camera[i].bsdf.connectible()) {
         joined_.push_back(camera[i].point.p);
       }
     }
-    samples_ += 1.0;
   }
   void add(const JoinTally& other) {
     joins_.insert(joins_.end(), other.joins_.begin(), other.joins_.end());
     joined_.insert(joined_.end(), other.joined_.begin(), other.joined_.end());
     values_.insert(values_.end(), other.values_.begin(), other.values_.end());
-    for (size_t i = 0; i < kPixels; ++i) {
-      light_[i] += other.light_[i];
-    }
-    samples_ += other.samples_;
+    picture_.add(other.picture_);
+    own_.add(other.own_);
   }
 
   // How much samples vary, relative to the brightness that `reference` found for their pixels.
   double relative_variance(const JoinTally& reference) const {
-    const double mean = reference.mean();
+    const auto brightness = reference.picture_.brightness();
     double sum = 0.0, squares = 0.0;
     for (const Value& value : values_) {
-      const double pixel = reference.light_[value.pixel] / reference.samples_ + kDarkest * mean;
-      const double relative = static_cast<double>(value.radiance) / pixel;
+      const double relative = static_cast<double>(value.radiance) / brightness[value.pixel];
       sum += relative;
       squares += relative * relative;
     }
-    return squares / samples_ - square(sum / samples_);
+    const double mean = sum / picture_.samples();
+    return squares / picture_.samples() - mean * mean;
   }
+  // Of the samples, of light paths and of what they bring.
+  const OwnPathTally& own() const { return own_; }
 
   // Camera vertices that were joined.
   const std::vector<Vec3f>& joined() const { return joined_; }
@@ -98,11 +98,10 @@ class JoinTally {
   void teach(JoinGuide& guide, uint32_t joins, const std::vector<double>& light_vertices) const {
     const uint32_t cameras = guide.camera_cells().count(), lights = guide.light_cells().count();
     CellPairs found(cameras, lights), tries(cameras, lights);
-    const double mean = this->mean();
+    const auto brightness = picture_.brightness();
     for (const Join& join : joins_) {
-      const double pixel = light_[join.pixel] / samples_ + kDarkest * mean;
       found(guide.camera_cells()(join.camera), guide.light_cells()(join.light)) +=
-          std::min(static_cast<double>(join.amount) / pixel, kLargest);
+          std::min(static_cast<double>(join.amount) / brightness[join.pixel], kLargest);
     }
     std::vector<double> vertices(cameras);  // by camera cell
     for (const Vec3f& p : joined_) {
@@ -121,9 +120,6 @@ class JoinTally {
   }
 
  private:
-  static constexpr int kSide = 16;
-  static constexpr size_t kPixels = kSide * kSide;
-
   struct Join {
     Vec3f camera, light;
     float amount;
@@ -135,29 +131,12 @@ class JoinTally {
     uint32_t pixel;
   };
 
-  double mean() const {
-    double sum = 0.0;
-    for (const double light : light_) {
-      sum += light;
-    }
-    return sum / (static_cast<double>(kPixels) * samples_);
-  }
-  size_t pixel(Vec2f raster) const {
-    const auto along = [](float at, int32_t first, int32_t last) {
-      const float part = (at - static_cast<float>(first)) / static_cast<float>(last - first);
-      return std::clamp(static_cast<int>(part * kSide), 0, kSide - 1);
-    };
-    return static_cast<size_t>(along(raster.y, film_.crop[1], film_.crop[3]) * kSide +
-                               along(raster.x, film_.crop[0], film_.crop[2]));
-  }
-
-  const FilmDesc& film_;
+  CoarsePicture picture_;
+  OwnPathTally own_;
   std::vector<Join> joins_;
   std::vector<Vec3f> joined_;
   std::vector<Value> values_;  // of samples
   size_t placed_ = 0;          // joins whose pixel is known
-  std::array<double, kPixels> light_{};
-  double samples_ = 0.0;
 };
 
 // A fresh set of shared paths.
@@ -240,7 +219,9 @@ void learn_joins(const RenderContext& context, uint64_t seed, uint32_t samples,
   const uint32_t light_paths = samples * kPathsPerSample;
   JoinGuide& guide = plan.joins;
   JoinTally brightness(context.scene.film);
-  std::vector<double> vertices;  // of a light path on average, by light cell
+  OwnPathTally own(context.scene.film);  // of the last round
+  uint64_t rays = 0;                     // that its samples took
+  std::vector<double> vertices;          // of a light path on average, by light cell
   for (uint64_t round = 0; round < kRounds && !context.cancelled; ++round) {
     const uint64_t round_seed = hash64(seed ^ hash64(round + 1));
     const auto paths = trace_paths(pilot, guide, light_paths, round_seed, stats);
@@ -252,8 +233,13 @@ void learn_joins(const RenderContext& context, uint64_t seed, uint32_t samples,
       vertices = {static_cast<double>(lights.size()) / paths->count()};
       guide.balance(kJoins, vertices);
     }
-    const JoinTally tally = run_round(pilot, round_seed, count, paths.get(), stats);
+    RenderStats of_round;
+    const JoinTally tally = run_round(pilot, round_seed, count, paths.get(), of_round);
+    stats.rays += of_round.rays;
+    stats.non_finite += of_round.non_finite;
     brightness.add(tally);
+    own = tally.own();
+    rays = of_round.rays;
     if (round == 0) {
       std::vector<Vec3f> cameras = tally.joined();
       const double tries = static_cast<double>(cameras.size()) * kJoins;
@@ -273,6 +259,8 @@ void learn_joins(const RenderContext& context, uint64_t seed, uint32_t samples,
   if (sharing == LightPathSharing::kAuto &&
       !pays(pilot, hash64(seed), count, std::move(brightness), plan, stats)) {
     guide = JoinGuide();
+  } else {
+    plan.own_paths = own.part(rays, true);
   }
 }
 

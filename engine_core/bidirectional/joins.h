@@ -27,6 +27,10 @@ void BidirectionalTracer<F, Observer, Sampler>::splat_vertex(const Walk& walk,
   if (is_black(flux)) {
     return;
   }
+  if (walks_.limits.kinds_from_lights) {
+    flux *= chance_within(walks_.limits, PathDepth{}, v.point.depth,
+                          kind_chances_from_light(scene_, v, c->wi), kNotCounted);
+  }
   const float cos_lens = -dot(c->wi, camera_.axis());
   const double camera_pdf = static_cast<double>(camera_.pdf_across(cos_lens, c->distance)) *
                             static_cast<double>(abs_cosine(v.point, c->wi)) / light_share_;
@@ -57,44 +61,67 @@ void BidirectionalTracer<F, Observer, Sampler>::splat_vertex(const Walk& walk,
   }
 }
 
+// A join that is to be made.
+template <BidirectionalFeatures F, class Observer, class Sampler>
+struct BidirectionalTracer<F, Observer, Sampler>::Join {
+  SharedPaths::Choice end;
+  Vec3f wi;  // from the camera's vertex
+  float distance, distance_squared;
+  float scale;  // of what it brings
+};
+
+// Whether the join of vertex v, of such brightness, to y is to be made. It is seen as if both
+// surfaces were matte or, the glossier they are, brighter: what is then far from worthwhile is let
+// go.
+template <BidirectionalFeatures F, class Observer, class Sampler>
+bool BidirectionalTracer<F, Observer, Sampler>::choose_join(const Walk& walk, const PathVertex& v,
+                                                            Color brightness, const JoinEnd& y,
+                                                            double joins, float u,
+                                                            Join& join) const {
+  if (!techniques_.show(y.bounces + 2, walk.depth.total + 2) ||
+      !walks_.limits.allow_joined(walk.depth.total, y.bounces)) {
+    return false;
+  }
+  const Vec3f d = y.p - v.point.p;
+  const float d2 = length_squared(d);
+  if (!(d2 > 0.0f)) {
+    return false;
+  }
+  join.distance_squared = d2;
+  join.distance = std::sqrt(d2);
+  join.wi = d * (1.0f / join.distance);
+  const auto part = static_cast<float>(1.0 / joins);
+  Color c = brightness * y.brightness *
+            (abs_cosine(v.point, join.wi) * abs_cosine(y.ng, join.wi) / d2 * part);
+  const float guess = max_component(c);
+  if (!plan_.worthwhile(c, 1.0, u)) {
+    return false;
+  }
+  const float raised = guess < kInfinity ? max_component(c) / guess : 1.0f;
+  join.scale = raised / d2 * part;
+  return true;
+}
+
 // Joins the two sub-paths: technique (s, t) with both at least 2.
 template <BidirectionalFeatures F, class Observer, class Sampler>
 void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const PathVertex& v,
-                                                        const SharedPaths::Choice& choice,
-                                                        Vec2f u) {
-  const PathVertex& y = *choice.vertex;
-  const int s = y.point.depth.total + 2;
-  if (!techniques_.show(s, walk.depth.total + 2) ||
-      !walks_.limits.allow_joined(walk.depth, y.point.depth)) {
-    return;
-  }
-  const Vec3f d = y.point.p - v.point.p;
-  const float d2 = length_squared(d);
-  if (!(d2 > 0.0f)) {
-    return;
-  }
-  const float distance = std::sqrt(d2);
-  const Vec3f wi = d * (1.0f / distance);
-  // As if both surfaces were matte or, the glossier they are, brighter: what is then far from
-  // worthwhile is let go unseen.
-  Color c = v.beta * y.beta *
-            (abs_cosine(v.point, wi) * abs_cosine(y.point, wi) * brightness(v) * brightness(y) /
-             d2 * static_cast<float>(1.0 / choice.joins));
-  const float guess = max_component(c);
-  if (!plan_.worthwhile(c, 1.0, u.x)) {
-    return;
-  }
-  const float raised = max_component(c) / guess;
+                                                        const Join& join, float u) {
+  const PathVertex& y = *join.end.vertex;
+  const Vec3f wi = join.wi;
   const BsdfEval at_v = scatter_eval(scene_, v, wi);
   if (is_black(at_v.f)) {
     return;
   }
   const BsdfEval at_y = scatter_eval(scene_, y, -wi);
-  c = v.beta * at_v.f * at_y.f * y.beta * (raised / d2 * static_cast<float>(1.0 / choice.joins));
+  Color c = v.beta * at_v.f * at_y.f * y.beta * join.scale;
+  if (walks_.limits.kinds_from_lights) {
+    c *= chance_within(walks_.limits, walk.depth, y.point.depth, kind_chances(scene_, v, wi),
+                       kind_chances_from_light(scene_, y, -wi));
+  }
   if (is_black(c)) {
     return;
   }
-  const double inverse_d2 = 1.0 / static_cast<double>(d2);
+  const double inverse_d2 = 1.0 / static_cast<double>(join.distance_squared);
   const double from_light =
       static_cast<double>(at_y.pdf) * static_cast<double>(abs_cosine(v.point, wi)) * inverse_d2;
   const double from_camera =
@@ -105,7 +132,7 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
   }
   const double joins = light_ends().joins_of(y.point.p, v.point.p);
   others /= heuristic_(joins);
-  if (!plan_.worthwhile(c, techniques_.weight(others), u.y)) {
+  if (!plan_.worthwhile(c, techniques_.weight(others), u)) {
     return;
   }
   bool blocked = false;
@@ -113,18 +140,18 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
                                     &blocked);
   if (!blocked) {
     add_reaching(walk, kLobeAny, false,
-                 {s,
+                 {y.point.depth.total + 2,
                   walk.depth.total + 2,
-                  choice.light,
+                  join.end.light,
                   &y,
-                  choice.path,
+                  join.end.path,
                   &v,
                   wi,
-                  distance,
+                  join.distance,
                   others,
                   c,
                   {},
-                  joins / choice.joins});
+                  joins / join.end.joins});
   }
 }
 
@@ -132,20 +159,26 @@ void BidirectionalTracer<F, Observer, Sampler>::connect(const Walk& walk, const 
 template <BidirectionalFeatures F, class Observer, class Sampler>
 void BidirectionalTracer<F, Observer, Sampler>::connect_all(const Walk& walk, const PathVertex& v) {
   const Vec2f u = walks_.sampler.get_2d(dimension(walk.index, BounceDim::kJoin));
+  const Color bright = v.beta * brightness(v);
+  Join join;
   if (shared_ != nullptr) {
     Pcg32 rng(std::bit_cast<uint64_t>(u));  // roulette needs no stratification
     const uint32_t count = shared_->empty(v.point.p) ? 0 : plan_.joins.count();
     for (uint32_t i = 0; i < count; ++i) {
-      const float u_guess = rng.next_float();
-      connect(walk, v, shared_->choose(v.point.p, {rotate(u.x, i), rotate(u.y, i)}),
-              {u_guess, rng.next_float()});
+      const JoinEnd* y;
+      join.end = shared_->choose(v.point.p, {rotate(u.x, i), rotate(u.y, i)}, y);
+      const float u_guess = rng.next_float(), u_join = rng.next_float();
+      if (choose_join(walk, v, bright, *y, join.end.joins, u_guess, join)) {
+        connect(walk, v, join, u_join);
+      }
     }
     return;
   }
-  for (uint32_t i = 0; i < light_.size(); ++i) {
-    if (light_[i].bsdf.connectible()) {
-      connect(walk, v, {&light_[i], light_.data(), light_number_, 1.0},
-              {rotate(u.x, i), rotate(u.y, i)});
+  const CountedRays counted(*this);
+  for (const JoinEnd& y : ends_) {
+    if (choose_join(walk, v, bright, y, plan_.own_paths, rotate(u.x, y.number), join)) {
+      join.end = {&light_[y.number], light_.data(), light_number_, plan_.own_paths};
+      connect(walk, v, join, rotate(u.y, y.number));
     }
   }
 }
@@ -172,8 +205,8 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
         if (distance_squared <= radius_squared && std::abs(facing) >= kLeastCosine &&
             std::abs(dot(v.point.ng, position - v.point.p)) <= kMostOffset * radius &&
             facing * dot(v.point.ng, y.wi) > 0.0f &&
-            walk.depth.total + y.bounces < walks_.limits.total &&
-            techniques_.show(y.bounces + 2, walk.depth.total + 2)) {
+            walk.depth.total + y.depth.total < walks_.limits.total &&
+            techniques_.show(y.depth.total + 2, walk.depth.total + 2)) {
           merge(walk, v, y, position, density);
         }
       });
@@ -186,19 +219,32 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
   const BsdfEval eval = scatter_eval(scene_, v, y.wi);
   // Flux over area is radiance times the cosine with the surface as it is, whichever of the two.
   const float cosine = std::max(abs_cosine(v.point, y.wi), std::abs(dot(y.ng, y.wi)));
-  const Color c = v.beta * eval.f * y.beta * (density / cosine);
+  Color c = v.beta * eval.f * y.beta * (density / cosine);
+  if (walks_.limits.kinds_from_lights) {
+    c *= chance_within(walks_.limits, walk.depth, y.depth,
+                       y.depth.total == 0 ? kNotCounted : kind_chances(scene_, v, y.wi),
+                       kNotCounted);
+  }
   if (is_black(c)) {
     return;
   }
   const double others =
       v.mis.beside_merge().sum(heuristic_, static_cast<double>(eval.pdf_reverse)) +
       y.ratios().sum(heuristic_, static_cast<double>(eval.pdf));
-  FoundPath path{
-      y.bounces + 2, walk.depth.total + 2, kNoIndex, nullptr, nullptr, &v, y.wi, 0.0f, others, c};
+  FoundPath path{y.depth.total + 2,
+                 walk.depth.total + 2,
+                 kNoIndex,
+                 nullptr,
+                 nullptr,
+                 &v,
+                 y.wi,
+                 0.0f,
+                 others,
+                 c};
   path.merged = true;
   path.light_path = y.path;
   path.light_end = position;
-  add_reaching(walk, kLobeAny, walk.depth.total == 0 && y.bounces == 0, std::move(path));
+  add_reaching(walk, kLobeAny, walk.depth.total == 0 && y.depth.total == 0, std::move(path));
 }
 
 }  // namespace vernier

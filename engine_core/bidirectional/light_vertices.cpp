@@ -35,7 +35,7 @@ struct Collector {
     const MergeRatios ratios = v.mis.beside_merge();
     positions.push_back(v.point.p);
     vertices.push_back({v.point.ng, v.point.wo, v.beta, as_float(ratios.neighbour),
-                        as_float(ratios.chain), path, walk.depth.total});
+                        as_float(ratios.chain), path, walk.depth});
   }
 };
 
@@ -136,7 +136,7 @@ void LightVertices::trace(Part& part, size_t first, size_t last, const RenderCon
     const WalkContext walks{context.scene,
                             numbers,
                             context.cancelled,
-                            BounceLimits(context.settings),
+                            BounceLimits::of_both_sides(context.settings),
                             Roulette(context.settings),
                             stats.rays};
     collector.path = static_cast<uint32_t>(i);

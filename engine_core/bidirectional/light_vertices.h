@@ -15,15 +15,15 @@
 
 namespace vernier {
 
-// A vertex of a light's sub-path, as merging needs it: 52 bytes, and with its position and place
-// in the grid 88 at most.
+// A vertex of a light's sub-path, as merging needs it: 60 bytes, and with its position and place
+// in the grid 96 at most.
 struct LightVertex {
   Vec3f ng;                // unit geometric normal, on the side of wi
   Vec3f wi;                // unit, back along the path: where light comes from
   Color beta;              // of the path up to here, before scattering
   float neighbour, chain;  // MergeRatios
   uint32_t path;           // the number of the path
-  uint16_t bounces;        // before the vertex
+  PathDepth depth;         // before the vertex
 
   MergeRatios ratios() const {
     return {static_cast<double>(neighbour), static_cast<double>(chain)};

@@ -71,7 +71,8 @@ struct PathVerifier::End {
 
 PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
                            const BidirectionalMemory& memory, double tolerance,
-                           const LightVertices* merged_with, const JoinGuide* joins)
+                           const LightVertices* merged_with, const JoinGuide* joins,
+                           double own_paths)
     : scene_(scene),
       techniques_(settings, scene.requirements),
       heuristic_(techniques_.heuristic(settings)),
@@ -79,10 +80,11 @@ PathVerifier::PathVerifier(const Scene& scene, const Settings& settings, const E
       guide_(guide),
       memory_(memory),
       tolerance_(tolerance),
-      light_share_(share_of_frame(scene.film)),
+      light_share_(own_paths * share_of_frame(scene.film)),
       settings_(settings),
       merged_with_(merged_with),
-      joins_(joins) {}
+      joins_(joins),
+      own_paths_(own_paths) {}
 
 // Meets the vertex anew from both sides.
 void PathVerifier::see(Vertex& v, bool scatters_by_chance) const {
@@ -139,10 +141,11 @@ const PathVertex* PathVerifier::trace_again(FoundPath& merge) {
   uint64_t rays = 0, non_finite = 0;
   light_again_.clear();
   VertexFinder finder{light_again_, merge.light_end, merge.s - 2};
-  walk_from_light({scene_, guide_, heuristic_, merged_with_->area()},
-                  WalkContext<SobolSampler>{scene_, numbers, cancelled, BounceLimits(settings_),
-                                            Roulette(settings_), rays},
-                  light_again_, non_finite, finder);
+  walk_from_light(
+      {scene_, guide_, heuristic_, merged_with_->area()},
+      WalkContext<SobolSampler>{scene_, numbers, cancelled, BounceLimits::of_both_sides(settings_),
+                                Roulette(settings_), rays},
+      light_again_, non_finite, finder);
   if (finder.number == kNoIndex) {
     return nullptr;
   }
@@ -412,7 +415,9 @@ void PathVerifier::found(const FoundPath& as_found) {
     if (merged_with_ != nullptr && v.made->bsdf.connectible()) {
       s.merge_area = merged_with_->area() * square(static_cast<double>(merge_scale(*v.made)));
     }
-    s.joins = joins_ != nullptr && i > 0 ? joins_->joins(s.p, path.surfaces[i - 1].p) : 1.0;
+    if (i > 0) {
+      s.joins = joins_ != nullptr ? joins_->joins(s.p, path.surfaces[i - 1].p) : own_paths_;
+    }
     path.surfaces.push_back(s);
     straight = straight && v.made->point.depth.transparent == 0;
     compare_scattering(found, v);

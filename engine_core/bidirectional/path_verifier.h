@@ -60,7 +60,7 @@ class PathVerifier {
   // ends where the camera's does.
   PathVerifier(const Scene& scene, const Settings& settings, const EmissionGuide& guide,
                const BidirectionalMemory& memory, double tolerance,
-               const LightVertices* merged_with, const JoinGuide* joins);
+               const LightVertices* merged_with, const JoinGuide* joins, double own_paths);
 
   void emitted(const EmissionSample&) {}
   void found(const FoundPath& found);
@@ -94,6 +94,7 @@ class PathVerifier {
   const LightVertices* merged_with_;
   Subpath light_again_;     // of the path that was merged
   const JoinGuide* joins_;  // null: light paths are not shared
+  const double own_paths_;  // BidirectionalPlan
   PathReport report_;
 };
 

@@ -8,6 +8,7 @@
 #include "bidirectional/emission_learning.h"
 #include "bidirectional/join_pilot.h"
 #include "bidirectional/light_vertices.h"
+#include "bidirectional/own_path_tally.h"
 #include "bidirectional/pilot_loop.h"
 #include "math/parallel.h"
 
@@ -34,14 +35,17 @@ struct LightTally : EmissionTally {
   const EmissionGuide* guide = nullptr;  // null: what cells there are is not known yet
   const std::vector<EmissionOrigin>* origins = nullptr;  // of the paths that are merged with others
   EmissionOrigin own;                                    // of the sample's
+  OwnPathTally own_paths;
 
-  explicit LightTally(uint32_t lights) : EmissionTally(lights) {}
+  LightTally(uint32_t lights, const FilmDesc& film) : EmissionTally(lights), own_paths(film) {}
 
   void add(const LightTally& other) {
     EmissionTally::add(other);
     total += other.total;
+    own_paths.add(other.own_paths);
   }
 
+  void traced_light(uint64_t rays) { own_paths.traced_light(rays); }
   void emitted(const EmissionSample& e) {
     own = guide ? EmissionOrigin(*guide, e) : EmissionOrigin();
   }
@@ -49,6 +53,7 @@ struct LightTally : EmissionTally {
   void found(const FoundPath& path) {
     const auto amount = static_cast<double>(max_component(path.contribution));
     total += amount;
+    own_paths.found(path);
     const EmissionOrigin& origin = path.merged ? (*origins)[path.light_path] : own;
     const uint32_t light = path.merged ? origin.light : path.light;
     if (light == kNoIndex) {
@@ -82,7 +87,7 @@ struct Findings {
   std::vector<Vec3f> points;  // the first surfaces that the camera's paths visit
   RenderStats stats;
 
-  explicit Findings(uint32_t lights) : tally(lights) {}
+  Findings(uint32_t lights, const FilmDesc& film) : tally(lights, film) {}
 };
 
 // Samples `first` to `last` of the pilot, on all threads. Parts are added in their order: the plan
@@ -92,7 +97,7 @@ Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples
                    const std::vector<EmissionOrigin>* origins) {
   constexpr uint32_t kParts = 16;
   const uint32_t lights = context.scene.lights->count();
-  std::vector<Findings> parts(kParts, Findings(lights));
+  std::vector<Findings> parts(kParts, Findings(lights, context.scene.film));
   const auto bound = [&](size_t part) {
     return first + static_cast<uint32_t>((last - first) * part / kParts);
   };
@@ -100,7 +105,8 @@ Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples
     Findings& found = parts[i];
     found.tally.guide = cells;
     found.tally.origins = origins;
-    const auto keep = [&](Vec2f, const CameraSample&, const BidirectionalMemory& memory) {
+    const auto keep = [&](Vec2f raster, const CameraSample&, const BidirectionalMemory& memory) {
+      found.tally.own_paths.sampled(raster);
       const Subpath& path = memory.camera;
       for (uint32_t v = 0; v < path.size() && path[v].point.depth.total <= 1; ++v) {
         found.points.push_back(path[v].point.p);
@@ -116,7 +122,7 @@ Findings run_pilot(const RenderContext& context, uint64_t seed, int log2_samples
       run.template operator()<false>();
     }
   });
-  Findings all(lights);
+  Findings all(lights, context.scene.film);
   for (const Findings& part : parts) {
     all.tally.add(part.tally);
     all.points.insert(all.points.end(), part.points.begin(), part.points.end());
@@ -195,8 +201,12 @@ std::unique_ptr<const Plan> make_bidirectional_plan(const RenderContext& context
     plan->inverse_threshold = static_cast<float>((count - aiming) / (kSmallPart * tally.total));
     choose_by(tally, plan->guide);
     direct_by(tally, *scene.lights, plan->guide);
-    if (static_cast<IntegratorKind>(context.settings.integrator) == IntegratorKind::kBdpt) {
+    const auto kind = static_cast<IntegratorKind>(settings.integrator);
+    if (kind == IntegratorKind::kBdpt || (kind == IntegratorKind::kVcm && !techniques.merges)) {
       learn_joins(pilot, seed, count / kJoiningPart, *plan, stats);
+      if (!plan->joins.shares()) {
+        plan->own_paths = tally.own_paths.part(aimed.stats.rays, false);
+      }
     }
   }
   return plan;

@@ -14,6 +14,9 @@ namespace vernier {
 struct BidirectionalPlan : Plan {
   EmissionGuide guide;
   JoinGuide joins;
+  // The part of the samples that have a light path of their own, in (0, 1]. The others are the
+  // camera's alone.
+  double own_paths = 1.0;
   // Contributions below the inverse of this are followed by chance only; infinite: all are
   // followed.
   float inverse_threshold = kInfinity;

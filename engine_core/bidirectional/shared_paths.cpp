@@ -61,7 +61,7 @@ void SharedPaths::sort() {
     const std::vector<uint32_t>& of = groups_[g].cells;
     for (uint32_t i = 0; i < of.size(); ++i) {
       if (of[i] != kNoIndex) {
-        places_[next[of[i]]++] = {g, i};
+        places_[next[of[i]]++] = {JoinEnd(groups_[g].vertices[i], i), g, groups_[g].lights[i]};
       }
     }
   }
@@ -88,7 +88,7 @@ void SharedPaths::trace(size_t job, const RenderContext& context, RenderStats& s
     const WalkContext<> walks{context.scene,
                               sampler,
                               context.cancelled,
-                              BounceLimits(context.settings),
+                              BounceLimits::of_both_sides(context.settings),
                               Roulette(context.settings),
                               stats.rays};
     path.clear();
@@ -106,21 +106,22 @@ void SharedPaths::trace(size_t job, const RenderContext& context, RenderStats& s
 
 std::vector<Vec3f> SharedPaths::positions() const {
   std::vector<Vec3f> positions;
-  for (const Place place : places_) {
-    positions.push_back(groups_[place.group].vertices[place.index].point.p);
+  for (const Place& place : places_) {
+    positions.push_back(place.end.p);
   }
   return positions;
 }
 
-SharedPaths::Choice SharedPaths::choose(Vec3f p, Vec2f u) const {
+SharedPaths::Choice SharedPaths::choose(Vec3f p, Vec2f u, const JoinEnd*& end) const {
   const AliasTable& cells = choices_[guide_.camera_cells()(p)];
   const uint32_t cell = cells.sample(u.x);
   const uint32_t count = first_[cell + 1] - first_[cell];
   const auto within = static_cast<uint32_t>(u.y * static_cast<float>(count));
-  const Place place = places_[first_[cell] + std::min(within, count - 1)];
+  const Place& place = places_[first_[cell] + std::min(within, count - 1)];
   const Group& group = groups_[place.group];
   const double probability = static_cast<double>(cells.probability(cell)) / count;
-  return {&group.vertices[place.index], group.vertices.data(), group.lights[place.index],
+  end = &place.end;
+  return {&group.vertices[place.end.number], group.vertices.data(), place.light,
           guide_.count() * probability * paths_};
 }
 

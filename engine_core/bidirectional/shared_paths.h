@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bidirectional/join_end.h"
 #include "integrators/integrator.h"
 #include "math/distribution.h"
 #include "paths/join_guide.h"
@@ -34,8 +35,8 @@ class SharedPaths : public LightPass {
   uint32_t count() const { return paths_; }
   // Whether a camera vertex at p finds nothing to be joined to.
   bool empty(Vec3f p) const { return choices_[guide_.camera_cells()(p)].size() == 0; }
-  // A vertex for the camera vertex at p, where not empty; u in [0,1)^2.
-  Choice choose(Vec3f p, Vec2f u) const;
+  // A vertex for the camera vertex at p, where not empty; u in [0,1)^2. `end`: the vertex in short.
+  Choice choose(Vec3f p, Vec2f u, const JoinEnd*& end) const;
 
  private:
   struct Group {
@@ -44,7 +45,8 @@ class SharedPaths : public LightPass {
     std::vector<uint32_t> cells;   // by vertex; kNoIndex: cannot be joined
   };
   struct Place {
-    uint32_t group, index;
+    JoinEnd end;  // its number is that in the group
+    uint32_t group, light;
   };
   void trace(size_t job, const RenderContext& context, RenderStats& stats);
   void sort();

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
+#include "bidirectional/join_end.h"
 #include "lights/light_sample.h"
 #include "paths/bounce_limits.h"
 #include "paths/subpath.h"
@@ -34,7 +36,7 @@ struct TechniqueSet {
   TechniqueSet(const Settings& settings, const Requirements& requirements)
       : camera_paths(static_cast<IntegratorKind>(settings.integrator) != IntegratorKind::kLight),
         light_paths(!requirements.uneven_visibility &&
-                    !(camera_paths && BounceLimits::by_kind(settings))),
+                    (counts_kinds(settings) || !BounceLimits::by_kind(settings))),
         joins(!vcm(settings) || settings.vcm_connections != 0),
         merges(vcm(settings) && settings.vcm_merging != 0 && settings.merge_radius > 0.0 &&
                light_paths),
@@ -44,6 +46,11 @@ struct TechniqueSet {
 
   static bool vcm(const Settings& settings) {
     return static_cast<IntegratorKind>(settings.integrator) == IntegratorKind::kVcm;
+  }
+  // Whether paths that lights have a part in keep limits on single kinds of bounces.
+  static bool counts_kinds(const Settings& settings) {
+    const auto kind = static_cast<IntegratorKind>(settings.integrator);
+    return kind == IntegratorKind::kBdpt || kind == IntegratorKind::kLight || vcm(settings);
   }
   MisHeuristic heuristic(const Settings& settings) const {
     return MisHeuristic(static_cast<MisExponent>(settings.mis_heuristic) == MisExponent::kPower,
@@ -59,6 +66,7 @@ struct TechniqueSet {
 // What a thread keeps from sample to sample.
 struct BidirectionalMemory {
   Subpath light, camera;
+  std::vector<JoinEnd> ends;  // of the light's that can be joined
 };
 
 // One way of making a path, as it is found: what an observer is told.

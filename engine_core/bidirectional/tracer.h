@@ -49,13 +49,14 @@ class BidirectionalTracer {
         walks_{context.scene,
                sampler,
                context.cancelled,
-               BounceLimits(context.settings),
+               BounceLimits::of_both_sides(context.settings),
                Roulette(context.settings),
                stats.rays},
         stats_(stats),
         splats_(context.scene.film, context.filter, splats),
         shared_(shared),
         light_(memory.light),
+        ends_(memory.ends),
         camera_path_(memory.camera),
         film_(context.scene, passes),
         passes_(passes),
@@ -66,15 +67,18 @@ class BidirectionalTracer {
     }
     const FilmDesc& film = scene_.film;
     light_paths_ = static_cast<double>(film.crop[2] - film.crop[0]) *
-                   static_cast<double>(film.crop[3] - film.crop[1]);
+                   static_cast<double>(film.crop[3] - film.crop[1]) * plan_.own_paths;
     light_share_ =
         light_paths_ / (static_cast<double>(film.width) * static_cast<double>(film.height));
   }
 
   CameraSample run(const CameraRay& camera_ray) {
     light_.clear();
+    ends_.clear();
     camera_path_.clear();
-    if (techniques_.light_paths && techniques_.joins && techniques_.most_light_bounces >= 0) {
+    if (techniques_.light_paths && techniques_.joins && techniques_.most_light_bounces >= 0 &&
+        has_own_path()) {
+      const CountedRays counted(*this);
       LightClient client{*this};
       walk_from_light(light_ends(), walks_, light_, stats_.non_finite, client,
                       techniques_.most_light_bounces);
@@ -94,6 +98,24 @@ class BidirectionalTracer {
  private:
   // ---- From the light.
 
+  bool has_own_path() const {
+    return !(plan_.own_paths < 1.0) ||
+           static_cast<double>(walks_.sampler.get_2d(dimension(LightDim::kChoice)).y) <
+               plan_.own_paths;
+  }
+  // Tells the observer, where it wants to know, how many rays the light's sub-path takes.
+  struct CountedRays {
+    BidirectionalTracer& tracer;
+    const uint64_t before;
+
+    explicit CountedRays(BidirectionalTracer& of) : tracer(of), before(of.walks_.rays) {}
+    ~CountedRays() {
+      if constexpr (requires { tracer.observer_.traced_light(uint64_t{}); }) {
+        tracer.observer_.traced_light(tracer.walks_.rays - before);
+      }
+    }
+  };
+
   struct LightClient {
     BidirectionalTracer& tracer;
 
@@ -101,7 +123,12 @@ class BidirectionalTracer {
       tracer.light_number_ = e.light;
       tracer.observer_.emitted(e);
     }
-    void reached(const Walk& walk, const PathVertex& v) { tracer.splat_vertex(walk, v); }
+    void reached(const Walk& walk, const PathVertex& v) {
+      if (tracer.shared_ == nullptr) {
+        tracer.ends_.emplace_back(v, tracer.light_.size() - 1);
+      }
+      tracer.splat_vertex(walk, v);
+    }
   };
 
   void splat_vertex(const Walk& walk, const PathVertex& v);
@@ -272,7 +299,10 @@ class BidirectionalTracer {
   }
 
   void connect_all(const Walk& walk, const PathVertex& v);
-  void connect(const Walk& walk, const PathVertex& v, const SharedPaths::Choice& choice, Vec2f u);
+  struct Join;
+  bool choose_join(const Walk& walk, const PathVertex& v, Color brightness, const JoinEnd& y,
+                   double joins, float u, Join& join) const;
+  void connect(const Walk& walk, const PathVertex& v, const Join& join, float u);
   void merge(const Walk& walk, const PathVertex& v);
   void merge(const Walk& walk, const PathVertex& v, const LightVertex& y, Vec3f position,
              float density);
@@ -289,8 +319,12 @@ class BidirectionalTracer {
   }
 
   LightEnds light_ends() const {
-    return {scene_, plan_.guide, heuristic_, merge_area_,
-            shared_ != nullptr ? &plan_.joins : nullptr};
+    return {scene_,
+            plan_.guide,
+            heuristic_,
+            merge_area_,
+            shared_ != nullptr ? &plan_.joins : nullptr,
+            plan_.own_paths};
   }
   SegmentContext segments() const { return {scene_, walks_.limits.transparent, walks_.rays}; }
 
@@ -327,6 +361,7 @@ class BidirectionalTracer {
   const FilteredSplats splats_;
   const SharedPaths* shared_;  // null: camera vertices are joined to the sample's own light path
   Subpath& light_;
+  std::vector<JoinEnd>& ends_;
   Subpath& camera_path_;
   CameraFilm<F.passes> film_;
   std::conditional_t<F.passes, LightPasses, NoPasses> passes_;
@@ -334,7 +369,7 @@ class BidirectionalTracer {
   Color radiance_;
   uint32_t light_number_ = kNoIndex;  // of the light's sub-path
   float start_distance_ = 0.0f;
-  double light_paths_;  // as many as samples of all pixels that are rendered
+  double light_paths_;  // for each sample of all pixels that are rendered, in all of these
   double light_share_;  // over the samples of the full frame
   const LightVertices* light_vertices_ = nullptr;  // to be merged with
   double merge_area_ = 0.0;                        // LightVertices::area()

@@ -57,7 +57,8 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
   }
   context.light_pass = &vertices;
   PathVerifier verifier(*scene, settings, plan.guide, memory, tolerance,
-                        merges ? &vertices : nullptr, shares ? &plan.joins : nullptr);
+                        merges ? &vertices : nullptr, shares ? &plan.joins : nullptr,
+                        plan.own_paths);
   NoPassSample passes;
   const auto trace = [&](const CameraRay& ray, const SobolSampler& sampler) {
     if (merges) {
@@ -89,6 +90,7 @@ nb::dict verify_paths(nb::handle handle, const std::map<std::string, SettingValu
   };
   result["techniques"] = counts(report.techniques);
   result["merges"] = counts(report.merges);
+  result["own_paths"] = plan.own_paths;
   result["uneven"] = report.uneven;
   result["unseen"] = report.unseen;
   result["non_finite"] = stats.non_finite;

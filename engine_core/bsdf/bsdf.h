@@ -119,6 +119,10 @@ class Bsdf {
   // The same without pdf_reverse (which is left 0): what a path tracer needs, and cheaper.
   BsdfEval eval_forward(Vec3f wi, Transport transport, uint8_t mask = kLobeAny) const;
 
+  // Where light is reflected between wo and wi: the part that diffuse lobes have in the density
+  // from the camera's side. 0 where nothing scatters so.
+  float diffuse_share(Vec3f wi, Transport transport) const;
+
   // u_lobe and u in [0,1). Empty: the path ends here (the sample fell below the surface, or there
   // is nothing to sample): part of the estimate, with contribution zero.
   std::optional<BsdfSample> sample(float u_lobe, Vec2f u, Transport transport,

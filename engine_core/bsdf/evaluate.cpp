@@ -77,6 +77,33 @@ BsdfEval Bsdf::eval_all(Vec3f wi, Transport transport, uint8_t mask) const {
   return result;
 }
 
+float Bsdf::diffuse_share(Vec3f wi, Transport transport) const {
+  if (lambert_) {
+    return 1.0f;
+  }
+  const bool radiance = transport == Transport::kRadiance;
+  const SurfaceSide near_side{ng_, wo_, 1.0f}, far_side{ng_, wi, 1.0f};
+  RawArray<LobeSide, kMaxLobes> far;
+  if (!radiance) {
+    see_all(far_side, far);
+  }
+  const SurfaceSide& camera = radiance ? near_side : far_side;
+  const SurfaceSide& light = radiance ? far_side : near_side;
+  float diffuse = 0.0f, total = 0.0f;
+  for (int i = 0; i < count_; ++i) {
+    const Lobe& lobe = lobes_[i];
+    if (lobe.singular || lobe.reflection_bits == 0) {
+      continue;
+    }
+    const LobeSide& seen = radiance ? near_[i] : far[i];
+    const float pdf =
+        evaluate_lobe(lobe, seen, camera, light, ns_, false, {true, true}).pdf_s * seen.select;
+    total += pdf;
+    diffuse += (lobe.reflection_bits & kLobeDiffuse) != 0 ? pdf : 0.0f;
+  }
+  return total > 0.0f ? diffuse / total : 0.0f;
+}
+
 template BsdfEval Bsdf::eval_all<false>(Vec3f, Transport, uint8_t) const;
 template BsdfEval Bsdf::eval_all<true>(Vec3f, Transport, uint8_t) const;
 

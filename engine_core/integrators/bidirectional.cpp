@@ -34,10 +34,7 @@ std::vector<std::string> describe_limits(const Settings& settings,
     if (!techniques.light_paths) {
       notes.push_back(std::string(TechniqueSet::vcm(settings) ? "Vertex Connection and Merging"
                                                               : "Bidirectional Path Tracing") +
-                      " starts no paths at lights here: " +
-                      (requirements.uneven_visibility
-                           ? uneven
-                           : "bounces limited by kind are counted from the camera"));
+                      " starts no paths at lights here: " + uneven);
     }
     if (techniques.merges) {
       notes.push_back(
@@ -48,8 +45,6 @@ std::vector<std::string> describe_limits(const Settings& settings,
   }
   if (!techniques.light_paths) {
     notes.push_back("Light Tracing finds nothing but lights seen directly here: " + uneven);
-  } else if (BounceLimits::by_kind(settings)) {
-    notes.push_back("Light Tracing limits bounces in all, not by kind");
   }
   if (requirements.things_in_lamps) {
     notes.push_back(

@@ -17,6 +17,7 @@ namespace vernier {
 struct BounceLimits {
   int total;  // one more than the setting: all surfaces at which a path scatters
   int diffuse, glossy, transmission, transparent;
+  bool kinds_from_lights = false;  // walks from lights count bounces by kind: see bounce_kinds.h
 
   explicit BounceLimits(const Settings& s)
       : total(limit(s.max_bounces)),
@@ -41,12 +42,16 @@ struct BounceLimits {
   }
   // Whether a path may exist that joins one from the camera and one from a light which have
   // bounced so often before the vertices that are joined.
-  bool allow_joined(const PathDepth& camera, const PathDepth& light) const {
-    return camera.total + light.total + 1 < total;
+  bool allow_joined(int camera, int light) const { return camera + light + 1 < total; }
+
+  // For methods that join paths from lights to the camera's.
+  static BounceLimits of_both_sides(const Settings& s) {
+    BounceLimits limits(s);
+    limits.kinds_from_lights = by_kind(s);
+    return limits;
   }
 
-  // Whether there are limits on single kinds of bounces. Which kind a bounce is shows in the lobe
-  // that was sampled, and so for walks from the camera only.
+  // Whether there are limits on single kinds of bounces.
   static bool by_kind(const Settings& s) {
     return s.diffuse_bounces >= 0 || s.glossy_bounces >= 0 || s.transmission_bounces >= 0;
   }

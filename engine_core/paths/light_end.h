@@ -16,11 +16,12 @@ struct LightEnds {
   const EmissionGuide& guide;
   MisHeuristic heuristic;
   double merge_area = 0;  // paths from lights times the area in which they are gathered; 0: none
-  const JoinGuide* joins = nullptr;  // null: each vertex is joined once
+  const JoinGuide* joins = nullptr;  // null: a sample joins the vertices of its own light path
+  double own_paths = 1.0;            // how often a sample has one
 
-  // How often such vertices are joined, for each path from a light.
+  // How often such vertices are joined, for each path from the camera and each that is shared.
   double joins_of(Vec3f light, Vec3f camera) const {
-    return joins != nullptr ? joins->joins(light, camera) : 1.0;
+    return joins != nullptr ? joins->joins(light, camera) : own_paths;
   }
 };
 

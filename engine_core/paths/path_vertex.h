@@ -25,9 +25,8 @@ struct PathVertex {
 };
 
 // |cos| with the geometric normal. At least its rounding error: densities are divided by it.
-inline float abs_cosine(const SurfacePoint& point, Vec3f w) {
-  return std::max(std::abs(dot(point.ng, w)), kUnitRoundoff);
-}
+inline float abs_cosine(Vec3f ng, Vec3f w) { return std::max(std::abs(dot(ng, w)), kUnitRoundoff); }
+inline float abs_cosine(const SurfacePoint& point, Vec3f w) { return abs_cosine(point.ng, w); }
 
 // The closures at `point` as seen along wo.
 inline void evaluate_bsdf(const Scene& scene, const SurfacePoint& point, Bsdf& bsdf) {

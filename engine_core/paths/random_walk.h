@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "bsdf/bsdf.h"
+#include "paths/bounce_kinds.h"
 #include "paths/bounce_limits.h"
 #include "paths/path_vertex.h"
 #include "paths/roulette.h"
@@ -109,7 +110,15 @@ void random_walk(const WalkContext<Sampler>& context, Walk& walk, Visitor& visit
     if (walk.spent && !straight) {
       return;
     }
-    scatter(sample->lobe, walk.depth, walk.flags, walk.mask);
+    if (from_camera || straight || !context.limits.kinds_from_lights) {
+      scatter(sample->lobe, walk.depth, walk.flags, walk.mask);
+    } else {
+      scatter_from_light(scene, v, *sample, walk.draw(BounceDim::kLightChoice).y, walk.depth,
+                         walk.flags, walk.mask);
+      if (context.limits.spent(walk.depth)) {
+        return;
+      }
+    }
     if (!context.limits.allow(walk.depth) || walk.depth.total > walk.most_bounces) {
       return;
     }

@@ -15,14 +15,15 @@ enum class BounceDim : uint32_t {
   kDirection = 0,    // the point within the lobe
   kLobe = 1,         // x: which lobe; y: Russian roulette
   kLightPoint = 2,   // the point on the light
-  kLightChoice = 3,  // x: which light; y: which estimator, where there is a choice
+  kLightChoice = 3,  // x: which light; y: which estimator, where there is a choice; from lights:
+                     // of which kind the bounce is
   kJoin = 4,         // which vertices of the other end a vertex is joined to
   kCount = 5,
 };
 
 // Pairs of the start of a path that leaves a light.
 enum class LightDim : uint32_t {
-  kChoice = 0,     // x: which light
+  kChoice = 0,     // x: which light; y: whether there is a path
   kPosition = 1,   // the point on it
   kDirection = 2,  // the direction
   kCount = 3,

@@ -99,6 +99,16 @@ def test_shared_light_paths(material: str) -> None:
         assert_agrees(report, shortest=3e-2)  # many times as many joins: some of shorter edges
 
 
+def test_samples_without_light_paths() -> None:
+    """Where paths from lights are of little use, not every sample has one: weights know it."""
+    scene = engine_core.compile(build("diffuse", "world").description, threads=2)
+    for heuristic in ("BALANCE", "POWER"):
+        settings = {"integrator": "BDPT", "max_bounces": 7, "mis_heuristic": heuristic}
+        report = probe.verify_paths(scene, settings, 3 * SAMPLES, TOLERANCE, True)
+        assert report["own_paths"] < 1.0
+        assert_agrees(report)
+
+
 @pytest.mark.parametrize("light", LIGHTS)
 def test_lights(light: str) -> None:
     report = verified(material="principled", light=light)

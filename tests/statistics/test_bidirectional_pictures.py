@@ -88,6 +88,34 @@ def test_limits_on_all_bounces(name: str, limits: dict[str, int]) -> None:
     assert_equal_means(shots(name, "PATH", **limits), shots(name, "BDPT", **limits))
 
 
+#: Mixed lobes, what both sides see otherwise, singular bounces, and what lets light through.
+LIMITED_BY_KIND = {
+    "material principled": {"diffuse_bounces": 1},
+    "material principled_coat": {"glossy_bounces": 0, "diffuse_bounces": 1},
+    "material rough_glass": {"transmission_bounces": 1, "diffuse_bounces": 1},
+    "material diffuse_and_mirror": {"glossy_bounces": 0},
+    "material diffuse_and_translucent": {"transmission_bounces": 0},
+    "material facing": {"diffuse_bounces": 0, "glossy_bounces": 1},
+}
+
+
+@pytest.mark.parametrize("name", LIMITED_BY_KIND)
+def test_limits_on_kinds_of_bounces(name: str) -> None:
+    limits = {"max_bounces": 5, **LIMITED_BY_KIND[name]}
+    limited = shots(name, "PATH", **limits)
+    assert limited.mean() < 0.99 * reference(name).mean()
+    assert_equal_means(limited, shots(name, "BDPT", **limits))
+    if name in LIT_BY_PATHS:
+        assert_equal_means(limited, shots(name, "LIGHT", **limits))
+
+
+def test_limits_on_kinds_of_bounces_of_shared_light_paths() -> None:
+    name = "material principled"
+    limits = {"max_bounces": 5, **LIMITED_BY_KIND[name]}
+    shared = shots(name, "BDPT", share_light_paths="ALWAYS", **limits)
+    assert_equal_means(shots(name, "PATH", **limits), shared)
+
+
 @pytest.mark.parametrize("integrator", ["LIGHT", "BDPT"])
 @pytest.mark.parametrize("size", [1e3, 1e5])
 def test_a_narrow_view_of_a_huge_plane_does_not_starve(integrator: str, size: float) -> None:

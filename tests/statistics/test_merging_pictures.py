@@ -74,6 +74,19 @@ def test_even_light_is_not_blurred(material: str, method: str) -> None:
     assert_equal_means(even_reference(material), merged, block=6)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_limits_on_kinds_of_bounces(method: str) -> None:
+    limits = {"samples": SAMPLES, "max_bounces": 3, "diffuse_bounces": 0, "transmission_bounces": 0}
+    scene = between_sheets("principled_coat")
+    merged = pictures(
+        scene, SEEDS, integrator="VCM", merge_radius=4.0, merge_alpha=1.0, **limits,
+        **METHODS[method],
+    )  # fmt: skip
+    limited = pictures(scene, SEEDS, **limits)
+    assert limited.mean() < 0.99 * even_reference("principled_coat").mean()
+    assert_equal_means(limited, merged, block=6)
+
+
 def test_without_merging_it_is_bidirectional_path_tracing() -> None:
     """To the last bit, on one thread: splats of several are summed in any order."""
     scene = build("principled", "many")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from engine_core.description import Visibility
 from scenes import SceneBuilder, diffuse, emission, quad, shader, soft_scene, sphere
 
 import engine_core
@@ -15,13 +16,13 @@ def soft(size: int = 96) -> Any:
     return engine_core.compile(soft_scene(size).description, threads=2)
 
 
-def fixture(size: int = 96) -> Any:
+def fixture(size: int = 96, visibility: int = Visibility.ALL) -> Any:
     """A small lamp within glass: only paths from the lamp light the floor."""
     builder = SceneBuilder((size, size))
     builder.camera((0, -5, 3), (0, 0, 0.3))
     builder.add(quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), diffuse(0.5))
     glass = shader("ShaderNodeBsdfGlass", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0, IOR=1.5)
-    builder.add(sphere(0.5, (0, 0, 1.5), rings=16), glass)
+    builder.add(sphere(0.5, (0, 0, 1.5), rings=16), glass, visibility=visibility)
     builder.add(quad((-0.02, -0.02, 1.5), (0, 0.04, 0), (0.04, 0, 0)), emission(5000.0))
     return engine_core.compile(builder.description, threads=2)
 
@@ -87,8 +88,12 @@ def test_a_viewport_waits_for_nothing() -> None:
     assert session.integrator == "PATH"
 
 
-def test_limits_by_kind_leave_one_method() -> None:
-    session = auto(fixture(), samples=1024, glossy_bounces=3)
+def test_limits_by_kind_leave_both_methods() -> None:
+    assert auto(fixture(), samples=1024, glossy_bounces=3).integrator == "BDPT"
+
+
+def test_uneven_visibility_leaves_one_method() -> None:
+    session = auto(fixture(visibility=Visibility.ALL & ~Visibility.DIFFUSE), samples=1024)
     assert session.integrator == "PATH"
     assert "the only method" in session.choice
 

@@ -10,12 +10,14 @@
 namespace vernier {
 namespace {
 
-constexpr int kRadius = 3;                    // of a neighbourhood, pixels
-constexpr int kExcessRadius = 1;              // cells
-constexpr int kNetRadius = 3;                 // cells
-constexpr double kEnoughWindows = 256 * 256;  // for a percentile
-constexpr int kLargestStride = 4;             // every tile of the film has some
-constexpr int kSmoothing = 4;                 // pixels
+constexpr int kRadius = 3;        // of a neighbourhood, pixels
+constexpr int kExcessRadius = 1;  // cells
+constexpr int kNetRadius = 3;     // cells
+// For a percentile, and for a tile to know whether it is done: neighbourhoods overlap, so that more
+// of them say the same at the price of longer looks.
+constexpr double kEnoughWindows = 96 * 64;
+constexpr int kLargestStride = 4;  // every tile of the film has some
+constexpr int kSmoothing = 4;      // pixels
 
 // What a pixel says of the errors around it.
 struct Sample {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "render/passes.h"
 #include "render/settings.h"
 #include "scene/requirements.h"
 
@@ -16,10 +17,14 @@ struct Candidate {
   // Time of a ray with all that is done around it, relative to path tracing's: measured over the
   // shipped scenes. Rays times this are a method's cost, whatever else the machine is busy with.
   double cost_per_ray;
-  // Whether the method differs from path tracing in a scene with these requirements.
-  bool (*fits)(const Settings& settings, const Requirements& requirements);
+  // Whether the method differs from path tracing in a scene with these requirements, and leaves
+  // nothing out.
+  bool (*fits)(const Settings& settings, const Requirements& requirements, PassSet passes);
   // Finds light that passed mirrors or glass on its way to a matte surface.
   bool finds_caustics;
+  // Explores by chains: errors of pixels are alike over some distance, and a trial may well have
+  // missed what chains stay at.
+  bool chains;
 };
 
 // Path tracing comes first: it can render anything.

@@ -21,7 +21,7 @@ constexpr int kSamples = 32;     // per pixel of a pilot
 constexpr int kLeastSamples = 16;
 constexpr double kMostPixels = 96.0 * 64.0, kLeastPixels = 20.0 * 20.0;
 // What all candidates' samples cost together, in path tracing's: a guess on the safe side.
-constexpr double kCostOfAll = 6.0;
+constexpr double kCostOfAll = 8.0;
 // Above this many samples a render has no end in sight.
 constexpr int kEndless = 1 << 20;
 // A method that finds caustics is preferred while the pilot says that it takes no longer than this.
@@ -32,6 +32,11 @@ constexpr double kRobustFactorOfSmall = 2.0, kSmallPilot = 40.0 * 40.0;
 // Where rare bright pixels make another method look slower than one that finds caustics by this
 // factor, they are what the pilot cannot tell.
 constexpr double kRareFactor = 8.0;
+// Chains are chosen where they are faster than all else by this factor...
+constexpr double kChainFactor = 2.0;
+// ...or where single batches of a method that finds caustics carry this part of the light: what
+// pilots of independent samples say is then of what they happened to meet.
+constexpr double kRareLight = 0.1;
 constexpr int kBlock = 8;  // pixels a side: what is compared between methods
 constexpr double kTrim = 0.95;
 constexpr double kDeviations = 4.0;
@@ -70,7 +75,8 @@ std::vector<Block> blocks(const Pilot& pilot) {
   }
   for (size_t b = 0; b < sums.size(); ++b) {
     sums[b].mean /= counts[b];
-    sums[b].variance /= counts[b] * counts[b];
+    // Errors of a chain's pixels may be all alike.
+    sums[b].variance /= pilot.candidate->chains ? counts[b] : counts[b] * counts[b];
   }
   return sums;
 }
@@ -104,6 +110,7 @@ double missed(const Pilot& pilot, const Pilot& other) {
 
 // Time to a relative standard deviation of 1, in units that all candidates share.
 struct Needed {
+  double half = 0;  // by the better half of the picture
   double usual =
       0;  // without the largest variances: single pixels of a small picture decide little
   double worst = 0;  // with them
@@ -115,7 +122,8 @@ Needed time_needed(const Pilot& pilot, const std::vector<Pilot>& all) {
     lack = std::max(lack, missed(pilot, other));
   }
   const double work = pilot.cost * pilot.samples;
-  return {work * (mean_below(pilot.variances, kTrim) + lack),
+  return {work * (mean_below(pilot.variances, 0.5) + lack),
+          work * (mean_below(pilot.variances, kTrim) + lack),
           work * (mean_below(pilot.variances, 1.0) + lack)};
 }
 
@@ -194,10 +202,10 @@ FilmDesc small_film(const FilmDesc& film, double pixels) {
 }
 
 std::vector<const Candidate*> fitting_candidates(const Settings& settings,
-                                                 const Requirements& requirements) {
+                                                 const Requirements& requirements, PassSet passes) {
   std::vector<const Candidate*> fitting;
   for (const Candidate& c : candidates()) {
-    if (c.fits(settings, requirements)) {
+    if (c.fits(settings, requirements, passes)) {
       fitting.push_back(&c);
     }
   }
@@ -223,27 +231,100 @@ const Candidate& robust(const std::vector<const Candidate*>& fitting, bool caust
   return *fitting.front();
 }
 
-std::string compare(const Pilot& best, double best_time, const std::vector<Pilot>& pilots,
-                    const std::vector<double>& times) {
+// What all pilots tell, in their order. Times are relative to each other.
+struct Trial {
+  std::vector<Pilot> pilots;
+  std::vector<double> half, times, worst;  // Needed
+};
+
+std::string compare(const Trial& trial, size_t best) {
   std::string text;
-  for (size_t i = 0; i < pilots.size(); ++i) {
-    if (&pilots[i] != &best && best_time > 0.0) {
-      text += (text.empty() ? "" : ", ") + ratio_text(times[i] / best_time) + " times " +
-              std::string(pilots[i].candidate->name);
+  for (size_t i = 0; i < trial.pilots.size(); ++i) {
+    if (i != best && trial.times[best] > 0.0) {
+      text += (text.empty() ? "" : ", ") + ratio_text(trial.times[i] / trial.times[best]) +
+              " times " + std::string(trial.pilots[i].candidate->name);
     }
   }
   return text;
 }
 
+size_t fastest_without_chains(const Trial& trial) {
+  size_t fastest = 0;  // path tracing
+  for (size_t i = 1; i < trial.pilots.size(); ++i) {
+    if (!trial.pilots[i].candidate->chains && trial.times[i] < trial.times[fastest]) {
+      fastest = i;
+    }
+  }
+  return fastest;
+}
+
+// Chains that are clearly faster than `fastest`, for most pixels and for all.
+std::optional<size_t> faster_chains(const Trial& trial, size_t fastest) {
+  for (size_t i = 0; i < trial.pilots.size(); ++i) {
+    if (trial.pilots[i].candidate->chains &&
+        kChainFactor * trial.times[i] <= trial.times[fastest] &&
+        kChainFactor * trial.worst[i] <= trial.worst[fastest]) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+// The part of the light that single batches brought.
+double rare_light(const Pilot& pilot) {
+  double rare = 0.0;
+  for (const PixelEstimate& p : pilot.pixels) {
+    rare += p.excess;
+  }
+  const double all = pilot.mean * static_cast<double>(pilot.pixels.size());
+  return all > 0.0 ? rare / all : 0.0;
+}
+
+// Chains, where independent samples that should find caustics find them by luck.
+std::optional<size_t> chains_for_rare_light(const Trial& trial) {
+  std::optional<size_t> chains;
+  bool rare = false;
+  for (size_t i = 0; i < trial.pilots.size(); ++i) {
+    const Candidate& candidate = *trial.pilots[i].candidate;
+    if (candidate.chains) {
+      chains = i;
+    } else if (candidate.finds_caustics) {
+      rare = rare || rare_light(trial.pilots[i]) > kRareLight;
+    }
+  }
+  return rare ? chains : std::nullopt;
+}
+
+// A method that finds caustics, where `fastest` does not and the pilots do not tell clearly.
+std::optional<size_t> preferred_for_caustics(const Trial& trial, size_t fastest) {
+  const Pilot& best = trial.pilots[fastest];
+  if (best.candidate->finds_caustics) {
+    return std::nullopt;
+  }
+  const double factor =
+      static_cast<double>(best.pixels.size()) < kSmallPilot ? kRobustFactorOfSmall : kRobustFactor;
+  for (size_t i = 0; i < trial.pilots.size(); ++i) {
+    const Candidate& candidate = *trial.pilots[i].candidate;
+    const bool unclear = trial.times[i] <= factor * trial.times[fastest] ||
+                         trial.half[i] <= factor * trial.half[fastest] ||
+                         kRareFactor * trial.worst[i] <= trial.worst[fastest];
+    if (candidate.finds_caustics && !candidate.chains && unclear) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<MethodChoice> choose_untried(const Scene& scene, const Settings& settings,
-                                           bool interactive) {
+                                           PassSet passes, bool interactive) {
   const auto named = static_cast<IntegratorKind>(settings.integrator);
   if (named != IntegratorKind::kAuto) {
     return MethodChoice{named, ""};
   }
-  const std::vector<const Candidate*> fitting = fitting_candidates(settings, scene.requirements);
+  const std::vector<const Candidate*> fitting =
+      fitting_candidates(settings, scene.requirements, passes);
   if (interactive) {
     return chosen(*fitting.front(), "the first picture comes soonest");
   }
@@ -259,43 +340,45 @@ std::optional<MethodChoice> choose_untried(const Scene& scene, const Settings& s
 }
 
 MethodChoice choose_by_trial(const std::shared_ptr<const Scene>& scene, const Settings& settings,
-                             const std::atomic<bool>& cancelled) {
-  const std::vector<const Candidate*> fitting = fitting_candidates(settings, scene->requirements);
+                             PassSet passes, const std::atomic<bool>& cancelled) {
+  const std::vector<const Candidate*> fitting =
+      fitting_candidates(settings, scene->requirements, passes);
   const bool caustics = scene->requirements.caustics;
   const auto small = with_view(scene, scene->camera->desc(),
                                small_film(scene->film, pilot_pixels(*scene, settings)));
   const double seconds = settings.time_limit * kShare / static_cast<double>(fitting.size());
   std::vector<Pilot> pilots;
   for (const Candidate* c : fitting) {
-    pilots.push_back(try_out(*c, small, settings, seconds, cancelled));
-    if (pilots.back().samples < kLeastSamples) {
+    Pilot pilot = try_out(*c, small, settings, seconds, cancelled);
+    if (pilot.samples >= kLeastSamples) {
+      pilots.push_back(std::move(pilot));
+    } else if (!c->chains) {
       return chosen(robust(fitting, caustics),
                     untried(caustics) + ", and there is too little time to try others");
     }
   }
-  std::vector<double> times, worst;
-  for (const Pilot& pilot : pilots) {
-    const Needed needed = time_needed(pilot, pilots);
-    times.push_back(needed.usual);
-    worst.push_back(needed.worst);
+  Trial trial{std::move(pilots), {}, {}, {}};
+  for (const Pilot& pilot : trial.pilots) {
+    const Needed needed = time_needed(pilot, trial.pilots);
+    trial.half.push_back(needed.half);
+    trial.times.push_back(needed.usual);
+    trial.worst.push_back(needed.worst);
   }
-  const size_t fastest =
-      static_cast<size_t>(std::min_element(times.begin(), times.end()) - times.begin());
-  const double robust_factor = static_cast<double>(pilots[fastest].pixels.size()) < kSmallPilot
-                                   ? kRobustFactorOfSmall
-                                   : kRobustFactor;
-  if (caustics && !pilots[fastest].candidate->finds_caustics) {
-    for (size_t i = 0; i < pilots.size(); ++i) {
-      const bool unclear =
-          times[i] <= robust_factor * times[fastest] || kRareFactor * worst[i] <= worst[fastest];
-      if (pilots[i].candidate->finds_caustics && unclear) {
-        return chosen(*pilots[i].candidate, compare(pilots[i], times[i], pilots, times) +
-                                                "; preferred because the scene may have caustics");
-      }
+  const size_t fastest = fastest_without_chains(trial);
+  if (const std::optional<size_t> chain = faster_chains(trial, fastest)) {
+    return chosen(*trial.pilots[*chain].candidate, compare(trial, *chain));
+  }
+  if (caustics) {
+    if (const std::optional<size_t> chain = chains_for_rare_light(trial)) {
+      return chosen(*trial.pilots[*chain].candidate,
+                    "it looks for caustics first, of which others meet single paths by chance");
+    }
+    if (const std::optional<size_t> safe = preferred_for_caustics(trial, fastest)) {
+      return chosen(*trial.pilots[*safe].candidate,
+                    compare(trial, *safe) + "; preferred because the scene may have caustics");
     }
   }
-  return chosen(*pilots[fastest].candidate,
-                compare(pilots[fastest], times[fastest], pilots, times));
+  return chosen(*trial.pilots[fastest].candidate, compare(trial, fastest));
 }
 
 }  // namespace vernier

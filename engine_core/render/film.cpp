@@ -379,11 +379,14 @@ double Film::error() const {
   return picture_error(all.errors);
 }
 
-Certificate Film::certificate(unsigned look) const {
+Film::Look Film::look(unsigned number) const {
   const std::vector<PixelEstimate> pixels = estimates();
   const double mean = mean_luminance(pixels);
-  return certify(pixels, vernier::picture_errors(pixels, width_, height_, mean).errors, mean,
-                 static_cast<unsigned>(least_batches()), look);
+  Look look;
+  look.errors = vernier::picture_errors(pixels, width_, height_, mean);
+  look.certificate =
+      certify(pixels, look.errors.errors, mean, static_cast<unsigned>(least_batches()), number);
+  return look;
 }
 
 std::vector<uint64_t> Film::batches() const {
@@ -400,10 +403,9 @@ uint64_t Film::least_batches() const {
   return *std::min_element(all.begin(), all.end());
 }
 
-std::vector<bool> Film::unfinished(double target) const {
+std::vector<bool> Film::unfinished(const PictureErrors& found, double target) const {
   // Tiles are looked at often, too, and one that stops where chance was kind stays there.
-  constexpr double kWellBelow = 0.8, kMostAbove = 1.0 / 40.0, kLeastShare = 1.0 / 8.0;
-  const PictureErrors all = picture_errors();
+  constexpr double kWellBelow = 0.9, kMostAbove = 1.0 / 20.0, kLeastShare = 1.0 / 8.0;
   uint32_t most = 0;
   for (size_t i = 0; i < tiles_.size(); ++i) {
     const std::lock_guard lock(locks_[i]);
@@ -413,13 +415,13 @@ std::vector<bool> Film::unfinished(double target) const {
   for (size_t i = 0; i < tiles_.size(); ++i) {
     const Tile& t = tiles_[i];
     double count = 0.0, above = 0.0;
-    const auto first = [&](int from) { return (from + all.stride - 1) / all.stride; };
+    const auto first = [&](int from) { return (from + found.stride - 1) / found.stride; };
     for (int row = first(t.y); row < first(t.y + t.height); ++row) {
       for (int column = first(t.x); column < first(t.x + t.width); ++column) {
-        const auto at = static_cast<size_t>(row) * static_cast<size_t>(all.columns) +
+        const auto at = static_cast<size_t>(row) * static_cast<size_t>(found.columns) +
                         static_cast<size_t>(column);
         ++count;
-        above += static_cast<double>(all.errors[at]) <= kWellBelow * target ? 0.0 : 1.0;
+        above += static_cast<double>(found.errors[at]) <= kWellBelow * target ? 0.0 : 1.0;
       }
     }
     const std::lock_guard lock(locks_[i]);

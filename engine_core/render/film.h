@@ -102,6 +102,12 @@ class Film {
   // An empty buffer for batch number `number` of tile number `tile`.
   TileBuffer buffer(size_t tile, uint64_t number, const Batch& batch);
 
+  // What a look at the picture finds.
+  struct Look {
+    Certificate certificate;
+    PictureErrors errors;
+  };
+
   // What merge() has made visible.
   enum class Merged { kNothing, kTile, kFrame };
 
@@ -120,8 +126,8 @@ class Film {
   void read(Pass pass, const Tile& area, std::span<float> out) const;
   // The picture's error by accuracy/statement.h; infinite while few pixels have two batches.
   double error() const;
-  // The same, for look number `look` at it (accuracy/certificate.h).
-  Certificate certificate(unsigned look) const;
+  // Look number `number` at the picture's error, which counts from 1.
+  Look look(unsigned number) const;
 
   // What is known of each pixel by itself, by row.
   std::vector<PixelEstimate> estimates() const;
@@ -130,10 +136,10 @@ class Film {
   // The error pass of the whole film.
   std::vector<float> errors() const;
 
-  // The tiles where more than a fortieth of the neighbourhoods is not well below `target`
-  // (accuracy/picture_error.h), or that have had far fewer samples than another: rare light may not
-  // have been met there yet.
-  std::vector<bool> unfinished(double target) const;
+  // The tiles where more than a twentieth of the neighbourhoods, by what a look has found, is not
+  // well below `target`, or that have had far fewer samples than another: rare light may not have
+  // been met there yet.
+  std::vector<bool> unfinished(const PictureErrors& found, double target) const;
   // All whole batches that are in the sums; those that came early are left out.
   void save(StateWriter& state) const;
   // Goes on from there; before the first batch. Refuses the state of another film.

@@ -72,7 +72,7 @@ Session::Session(std::shared_ptr<const Scene> scene, const Settings& settings, P
       give_way_(give_way),
       stats_(static_cast<size_t>(thread_count_)),
       rays_(static_cast<size_t>(thread_count_)) {
-  if (std::optional<MethodChoice> choice = choose_untried(*scene_, settings_, give_way)) {
+  if (std::optional<MethodChoice> choice = choose_untried(*scene_, settings_, passes_, give_way)) {
     settle(std::move(*choice));
   }
   schedule_ = std::make_unique<Schedule>(film_.batches(), [this] { return look(); });
@@ -105,7 +105,7 @@ void Session::prepare(const RenderContext& context, RenderStats& stats) {
     return;
   }
   if (method_ == nullptr) {
-    MethodChoice choice = choose_by_trial(scene_, settings_, stopped_);
+    MethodChoice choice = choose_by_trial(scene_, settings_, passes_, stopped_);
     if (stopped_) {
       prepared_ = true;
       return;
@@ -233,9 +233,10 @@ Schedule::Round Session::look() {
   if (begun >= method_->plan.size()) {
     ending = Ending::kSamples;
   }
+  Film::Look found;
   if (settings_.target_error > 0.0 && begun > 0) {
-    const Certificate certificate = film_.certificate(++looks_);
-    if (meets(certificate, 0.01 * settings_.target_error)) {
+    found = film_.look(++looks_);
+    if (meets(found.certificate, 0.01 * settings_.target_error)) {
       ending = Ending::kTarget;
     }
   }
@@ -245,7 +246,7 @@ Schedule::Round Session::look() {
                       !method_->kernel.splats && method_->kernel.make_light_pass == nullptr;
   std::vector<bool> active(round.size(), true);
   if (adapts) {
-    active = film_.unfinished(0.01 * settings_.target_error);
+    active = film_.unfinished(found.errors, 0.01 * settings_.target_error);
     // Where the pixels are well but the picture's mean is not, all tiles are in need.
     if (std::find(active.begin(), active.end(), true) == active.end()) {
       active.assign(active.size(), true);

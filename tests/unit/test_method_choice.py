@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from engine_core.description import Visibility
-from scenes import SceneBuilder, diffuse, emission, quad, shader, soft_scene, sphere
+from scenes import SceneBuilder, box, diffuse, emission, quad, shader, soft_scene, sphere
 
 import engine_core
 
@@ -27,10 +27,20 @@ def fixture(size: int = 96, visibility: int = Visibility.ALL) -> Any:
     return engine_core.compile(builder.description, threads=2)
 
 
-def auto(scene: Any, **settings: Any) -> Any:
+def gap(size: int = 96) -> Any:
+    """A room lit through a narrow gap by the light of another."""
+    builder = SceneBuilder((size, size))
+    builder.camera((-1.5, -1.9, 1.3), (0.8, 0, 1.0))
+    builder.add(box((-2, -2, 0), (2, 2, 2.5), inward=True), diffuse(0.7))
+    builder.add(quad((-2, 0, 0), (3.97, 0, 0), (0, 0, 2.5)), diffuse(0.7))
+    builder.add(quad((-1.8, 1.9, 2.0), (0.2, 0, 0), (0, 0, 0.2)), emission(900.0))
+    return engine_core.compile(builder.description, threads=2)
+
+
+def auto(scene: Any, passes: tuple[str, ...] = ("Combined",), **settings: Any) -> Any:
     """A session that has been started, has chosen, and is not wanted any longer."""
     session = engine_core.Session(
-        scene, {"integrator": "AUTO", "threads": 2, **settings}, ["Combined"]
+        scene, {"integrator": "AUTO", "threads": 2, **settings}, list(passes)
     )
     session.start()
     while not session.choice and not session.wait(0.01):
@@ -60,6 +70,17 @@ def test_a_lamp_within_glass_is_traced_from_both_ends() -> None:
     assert "times path tracing" in session.choice
     # The ratio is that of times: it says how much longer path tracing takes.
     assert float(session.choice.split(": ")[1].split(" times")[0]) > 2.0
+
+
+def test_light_through_a_gap_is_explored_by_chains() -> None:
+    scene = gap()
+    session = auto(scene, samples=2048)
+    assert session.integrator == "MLT", session.choice
+    assert session.choice.startswith("Metropolis light transport: ")
+    # Not where they would leave something out.
+    assert auto(scene, ("Combined", "DiffInd"), samples=2048).integrator != "MLT"
+    assert auto(scene, samples=2048, clamp_indirect=10.0).integrator != "MLT"
+    assert auto(scene, samples=8).integrator != "MLT"
 
 
 def test_equal_seeds_give_equal_choices() -> None:
@@ -116,7 +137,7 @@ def test_the_pilot_is_part_of_the_run_and_ends_when_it_is_cancelled() -> None:
 
 
 def test_a_render_that_was_stopped_while_trying_begins_anew(tmp_path: Path) -> None:
-    scene, settings = soft(), {"integrator": "AUTO", "threads": 2, "samples": 192}
+    scene, settings = soft(), {"integrator": "AUTO", "threads": 2, "samples": 256}
     session = engine_core.Session(scene, settings, ["Combined"])
     session.save(str(tmp_path / "state"), "a scene")
     resumed = engine_core.Session(
@@ -127,7 +148,7 @@ def test_a_render_that_was_stopped_while_trying_begins_anew(tmp_path: Path) -> N
     while not resumed.wait(1.0):
         pass
     assert resumed.integrator == "PATH"
-    assert resumed.poll().samples == 192
+    assert resumed.poll().samples == 256
 
 
 def test_a_named_method_is_not_questioned() -> None:

@@ -262,8 +262,8 @@ size_t fastest_without_chains(const Trial& trial) {
 std::optional<size_t> faster_chains(const Trial& trial, size_t fastest) {
   for (size_t i = 0; i < trial.pilots.size(); ++i) {
     if (trial.pilots[i].candidate->chains &&
-        kChainFactor * trial.times[i] <= trial.times[fastest] &&
-        kChainFactor * trial.worst[i] <= trial.worst[fastest]) {
+        kChainFactor * trial.times[i] < trial.times[fastest] &&
+        kChainFactor * trial.worst[i] < trial.worst[fastest]) {
       return i;
     }
   }

@@ -261,8 +261,7 @@ size_t fastest_without_chains(const Trial& trial) {
 // Chains that are clearly faster than `fastest`, for most pixels and for all.
 std::optional<size_t> faster_chains(const Trial& trial, size_t fastest) {
   for (size_t i = 0; i < trial.pilots.size(); ++i) {
-    if (trial.pilots[i].candidate->chains &&
-        kChainFactor * trial.times[i] < trial.times[fastest] &&
+    if (trial.pilots[i].candidate->chains && kChainFactor * trial.times[i] < trial.times[fastest] &&
         kChainFactor * trial.worst[i] < trial.worst[fastest]) {
       return i;
     }

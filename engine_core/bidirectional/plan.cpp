@@ -23,7 +23,7 @@ constexpr uint32_t kAimingPart = 4;
 // Merges of the pilot reach so much farther than those of a picture with as many pixels would.
 constexpr float kPilotBlur = 2.0f;
 // Another part of as many finds out which light paths are worth sharing.
-constexpr uint32_t kJoiningPart = 4;
+constexpr uint32_t kJoiningPart = 2;
 // A contribution is small where it is below this part of the picture's mean. Measured by error
 // times processor time: 0.03, 0.1 and 0.3 differ by a fifth at the most in the Cornell box and the
 // caustics, and 0.1 is the best of them on both together.

@@ -146,7 +146,8 @@ class FinalRender:
         checkpoint: Checkpoint,
     ) -> Any:
         module = core()
-        if values["integrator"] == "AUTO" and self._engine.is_preview:
+        if self._engine.is_preview:
+            # Pictures of a material: others first learn the scene, or fill maps, for seconds.
             values["integrator"] = "PATH"
         return self._apart(
             lambda stop: module.Session(

@@ -46,7 +46,7 @@ struct Photon {
     return normalize({static_cast<float>(direction[0]), static_cast<float>(direction[1]),
                       static_cast<float>(direction[2])});
   }
-  // Unit to within a hundredth: to tell surfaces apart.
+  // Unit to within kNormalRounding: to tell surfaces apart.
   Vec3f ng() const {
     return Vec3f{static_cast<float>(normal[0]), static_cast<float>(normal[1]),
                  static_cast<float>(normal[2])} *
@@ -54,6 +54,8 @@ struct Photon {
   }
 
   static constexpr int kMostBounces = 255;
+  // Three components, each to half of 1/127: sqrt(3) / 254.
+  static constexpr float kNormalRounding = 0.00682f;
 };
 
 }  // namespace vernier

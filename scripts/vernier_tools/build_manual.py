@@ -40,7 +40,7 @@ class Picture:
 
 
 CYCLES = "cycles"
-FEW, MANY = 1_000, 200_000
+FEW, MANY = 1_000, 30_000
 PICTURES = (
     Picture("cornell_box", "path"),
     Picture("textured_room", "path", 90.0),
@@ -53,7 +53,7 @@ PICTURES = (
     Picture("door_ajar", "mlt"),
     *(Picture(scene, CYCLES) for scene in ("door_ajar", "lamp_interior", "pool")),
     *(
-        Picture("caustics", "photon", 40.0, kind,
+        Picture("caustics", "photon", 120.0, kind,
                 (f"global_photons={photons}", f"caustic_photons={photons}"))
         for kind, photons in (("few", FEW), ("many", MANY))
     ),

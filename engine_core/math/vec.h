@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 
@@ -93,7 +94,10 @@ constexpr Vec3f lerp(Vec3f a, Vec3f b, float t) { return a * (1.0f - t) + b * t;
 constexpr float lerp(float a, float b, float t) { return a * (1.0f - t) + b * t; }
 constexpr float clamp(float v, float lo, float hi) { return std::min(std::max(v, lo), hi); }
 constexpr float saturate(float v) { return clamp(v, 0.0f, 1.0f); }
-constexpr float square(float v) { return v * v; }
+template <std::floating_point T>
+constexpr T square(T v) {
+  return v * v;
+}
 // sqrt of a quantity that is non-negative but for rounding.
 inline float safe_sqrt(float v) { return std::sqrt(std::max(v, 0.0f)); }
 

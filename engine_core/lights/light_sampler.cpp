@@ -423,7 +423,8 @@ bool LightSampler::next_escape(Vec3f d, uint32_t mask, uint32_t flags, const Pat
     ++i;
     const Material* world = table.scene->world.get();
     if (world && world->traits().is_emissive && (table.scene->world_visibility & mask) != 0) {
-      hit.light = table.environment_light();
+      // Where nothing of it was found to sample, no other technique knows it.
+      hit.light = table.has_environment ? table.environment_light() : kNoIndex;
       hit.radiance = environment_radiance(*table.scene, d, flags, depth);
       return true;
     }

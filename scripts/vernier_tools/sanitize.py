@@ -44,7 +44,8 @@ def run_descriptions(minutes: float, seed: int, env: dict[str, str], output: Pat
     rounds = 0
     while time.monotonic() < end:
         command: list[str | Path] = [sys.executable, "-m", "pytest", "-q", "-x"]
-        command += ["-p", "no:cacheprovider", "-k", "scenes_are"]
+        # Uncaptured, or what the sanitizer says would be lost with the process that it ends.
+        command += ["--capture=no", "-p", "no:cacheprovider", "-k", "scenes_are"]
         command += [
             TESTS / "hostile" / "test_descriptions.py",
             f"--hypothesis-seed={seed + rounds}",

@@ -196,7 +196,8 @@ class LightTreeBuilder {
 
   int bin_of(uint32_t light, int axis, float lower, float extent) const {
     const float x = (center_of(bounds_[light])[axis] - lower) / extent;
-    return std::min(static_cast<int>(x * static_cast<float>(kBins)), kBins - 1);
+    // Where the extent is beyond float32, no quotient tells places apart: it may be no number.
+    return x > 0.0f ? static_cast<int>(std::min(x * kBins, kBins - 1.0f)) : 0;
   }
 
   void find_best(uint32_t begin, uint32_t end, int axis, float lower, float extent,

@@ -49,8 +49,9 @@ def test_the_sanitizers_are_at_work(sanitized: dict[str, str], package: Path) ->
         ["tests/unit/test_session.py", "tests/unit/test_integrators.py"],
         ["tests/unit/test_bad_input.py", "tests/unit/test_settings.py"],
         ["tests/unit/test_triangulate.py", "tests/unit/test_nodes_compile.py"],
+        ["tests/hostile/test_found.py"],
     ],
-    ids=["renders", "bad input", "polygons and graphs"],
+    ids=["renders", "bad input", "polygons and graphs", "found"],
 )
 def test_no_report(files: list[str], sanitized: dict[str, str]) -> None:
     # Sanitizers need more address space than that test leaves, and memory of their own.

@@ -57,7 +57,7 @@ class CoarsePicture {
   }
 
  private:
-  // What a picture's error is relative to (render/accuracy.h).
+  // That of the relative squared error (I - R)^2 / (R^2 + 0.01 mean(R)^2).
   static constexpr double kDarkest = 0.1;
 
   std::array<int32_t, 4> crop_;

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "bidirectional/coarse_picture.h"
 #include "bidirectional/own_path_tally.h"
 #include "bidirectional/pilot_loop.h"
 #include "bidirectional/shared_paths.h"
 #include "math/parallel.h"
+#include "math/variance.h"
 
 namespace vernier {
 namespace {
@@ -39,25 +39,20 @@ constexpr uint32_t kParts = 16;
 // error is judged relative to its brightness.
 class JoinTally {
  public:
-  explicit JoinTally(const FilmDesc& film) : picture_(film), own_(film) {}
+  explicit JoinTally(const FilmDesc& film) : own_(film) {}
 
   void emitted(const EmissionSample&) {}
   void traced_light(uint64_t rays) { own_.traced_light(rays); }
   void found(const FoundPath& path) {
-    const float amount = max_component(path.contribution);
     own_.found(path);
-    if (path.t == 1) {
-      picture_.add(picture_.pixel(path.raster), amount);
-    } else if (path.s >= 2) {
-      joins_.push_back({path.z->point.p, path.y->point.p, amount, 0});
+    if (path.t > 1 && path.s >= 2) {
+      joins_.push_back({path.z->point.p, path.y->point.p, max_component(path.contribution), 0});
     }
   }
   // The sample whose paths were found is done.
   void sampled(Vec2f raster, Color radiance, const Subpath& camera) {
-    const uint32_t at = picture_.pixel(raster);
+    const uint32_t at = own_.picture().pixel(raster);
     values_.push_back({max_component(radiance), at});
-    picture_.add(at, max_component(radiance));
-    picture_.count_sample();
     own_.sampled(raster);
     for (; placed_ < joins_.size(); ++placed_) {
       joins_[placed_].pixel = at;
@@ -72,21 +67,17 @@ class JoinTally {
     joins_.insert(joins_.end(), other.joins_.begin(), other.joins_.end());
     joined_.insert(joined_.end(), other.joined_.begin(), other.joined_.end());
     values_.insert(values_.end(), other.values_.begin(), other.values_.end());
-    picture_.add(other.picture_);
     own_.add(other.own_);
   }
 
   // How much samples vary, relative to the brightness that `reference` found for their pixels.
   double relative_variance(const JoinTally& reference) const {
-    const auto brightness = reference.picture_.brightness();
-    double sum = 0.0, squares = 0.0;
+    const auto brightness = reference.own_.picture().brightness();
+    Variance relative;
     for (const Value& value : values_) {
-      const double relative = static_cast<double>(value.radiance) / brightness[value.pixel];
-      sum += relative;
-      squares += relative * relative;
+      relative.add(static_cast<double>(value.radiance) / brightness[value.pixel]);
     }
-    const double mean = sum / picture_.samples();
-    return squares / picture_.samples() - mean * mean;
+    return relative.value();
   }
   // Of the samples, of light paths and of what they bring.
   const OwnPathTally& own() const { return own_; }
@@ -98,7 +89,7 @@ class JoinTally {
   void teach(JoinGuide& guide, uint32_t joins, const std::vector<double>& light_vertices) const {
     const uint32_t cameras = guide.camera_cells().count(), lights = guide.light_cells().count();
     CellPairs found(cameras, lights), tries(cameras, lights);
-    const auto brightness = picture_.brightness();
+    const auto brightness = own_.picture().brightness();
     for (const Join& join : joins_) {
       found(guide.camera_cells()(join.camera), guide.light_cells()(join.light)) +=
           std::min(static_cast<double>(join.amount) / brightness[join.pixel], kLargest);
@@ -131,7 +122,6 @@ class JoinTally {
     uint32_t pixel;
   };
 
-  CoarsePicture picture_;
   OwnPathTally own_;
   std::vector<Join> joins_;
   std::vector<Vec3f> joined_;

@@ -217,8 +217,7 @@ void BidirectionalTracer<F, Observer, Sampler>::merge(const Walk& walk, const Pa
                                                       const LightVertex& y, Vec3f position,
                                                       float density) {
   const BsdfEval eval = scatter_eval(scene_, v, y.wi);
-  // Flux over area is radiance times the cosine with the surface as it is, whichever of the two.
-  const float cosine = std::max(abs_cosine(v.point, y.wi), std::abs(dot(y.ng, y.wi)));
+  const float cosine = flux_cosine(v.point, y.wi, std::abs(dot(y.ng, y.wi)));
   Color c = v.beta * eval.f * y.beta * (density / cosine);
   if (walks_.limits.kinds_from_lights) {
     c *= chance_within(walks_.limits, walk.depth, y.depth,

@@ -3,27 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/variance.h"
+
 namespace vernier {
 namespace {
 
 // No fewer samples than this have one: a pilot does not see what is rare.
 constexpr double kLeastPart = 0.25, kLeastPartBesideShared = 0.125;
-
-class Variance {
- public:
-  void add(double value) {
-    sum_ += value;
-    squares_ += value * value;
-    count_ += 1.0;
-  }
-  double value() const {
-    const double mean = sum_ / count_;
-    return std::max(squares_ / count_ - mean * mean, 0.0);
-  }
-
- private:
-  double sum_ = 0.0, squares_ = 0.0, count_ = 0.0;
-};
 
 }  // namespace
 

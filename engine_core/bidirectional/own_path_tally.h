@@ -39,6 +39,8 @@ class OwnPathTally {
   // `shared`: they are not what camera vertices are joined to.
   double part(uint64_t rays, bool shared) const;
 
+  const CoarsePicture& picture() const { return picture_; }
+
  private:
   struct Splat {
     float amount;

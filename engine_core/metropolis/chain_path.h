@@ -146,6 +146,8 @@ class PathSpace {
   bool see_through(const Ray& segment, Passage& passed) const;
   Receiver receiver(const SurfacePoint& point);
   bool look(PathState& path, uint32_t wanted);
+  // Draws where light comes from at v, seen from the camera's side. False: nowhere.
+  bool draw_direction(ChainVertex& v);
   void evaluate(ChainVertex& v);
 
   const Scene& scene_;

@@ -130,18 +130,19 @@ bool PathSpace::begin_at_lens(Vec2f raster, PathState& path) {
   return true;
 }
 
-bool PathSpace::extend(PathState& path) {
-  ChainVertex& from = path.v.back();
-  load(from.point, Transport::kRadiance, scratch_);
+bool PathSpace::draw_direction(ChainVertex& v) {
+  load(v.point, Transport::kRadiance, scratch_);
   const float u = random();
   const auto sample = scratch_.bsdf.sample_forward(u, random_2d(), scratch_.mode, lobes_);
   if (!sample) {
     return false;
   }
-  from.to_light = sample->wi;
-  from.event = (sample->lobe & kLobeSingular) != 0 ? sample->lobe : uint8_t{0};
-  return follow(path);
+  v.to_light = sample->wi;
+  v.event = (sample->lobe & kLobeSingular) != 0 ? sample->lobe : uint8_t{0};
+  return true;
 }
+
+bool PathSpace::extend(PathState& path) { return draw_direction(path.v.back()) && follow(path); }
 
 bool PathSpace::follow(PathState& path) {
   ChainVertex next;
@@ -354,18 +355,7 @@ bool PathSpace::join_light(PathState& path) {
 }
 
 bool PathSpace::meet_light(PathState& path, bool draw) {
-  ChainVertex& last = path.v.back();
-  if (draw) {
-    load(last.point, Transport::kRadiance, scratch_);
-    const float u = random();
-    const auto sample = scratch_.bsdf.sample_forward(u, random_2d(), scratch_.mode, lobes_);
-    if (!sample) {
-      return false;
-    }
-    last.to_light = sample->wi;
-    last.event = (sample->lobe & kLobeSingular) != 0 ? sample->lobe : uint8_t{0};
-  }
-  return look(path, kNoIndex) && see_light(path);
+  return (!draw || draw_direction(path.v.back())) && look(path, kNoIndex) && see_light(path);
 }
 
 bool PathSpace::see_light(PathState& path) {
@@ -396,8 +386,7 @@ bool PathSpace::see_light(PathState& path) {
   end.pdf_emitted = static_cast<double>(
       lights_.pdf_emission_ray(plan.guide, end.light, last.point.p, -last.to_light));
   if (lights_.is_point(end.light)) {
-    end.pdf_emitted /= std::max(
-        static_cast<double>(end.distance) * static_cast<double>(end.distance), kLeastSquare);
+    end.pdf_emitted /= std::max(square(static_cast<double>(end.distance)), kLeastSquare);
   }
   return true;
 }

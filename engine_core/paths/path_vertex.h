@@ -28,6 +28,14 @@ struct PathVertex {
 inline float abs_cosine(Vec3f ng, Vec3f w) { return std::max(std::abs(dot(ng, w)), kUnitRoundoff); }
 inline float abs_cosine(const SurfacePoint& point, Vec3f w) { return abs_cosine(point.ng, w); }
 
+// What makes light's flux over area, from direction w, radiance at `point` (Jensen 2001,
+// section 7): the cosine with the surface as it is, at the point or where the light arrived nearby,
+// whose cosine is `there`. The larger one, or what grazes one facet of a curved surface and not
+// another would be divided by next to nothing.
+inline float flux_cosine(const SurfacePoint& point, Vec3f w, float there) {
+  return std::max(abs_cosine(point, w), there);
+}
+
 // The closures at `point` as seen along wo.
 inline void evaluate_bsdf(const Scene& scene, const SurfacePoint& point, Bsdf& bsdf) {
   bsdf.begin(point);

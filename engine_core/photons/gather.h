@@ -61,10 +61,8 @@ struct Gathering {
   // What the photon adds, before the kernel.
   Color scattered(const Photon& photon, Vec3f wi) const {
     const BsdfEval eval = v.bsdf.eval_forward(wi, Transport::kRadiance, lobes);
-    // Flux over area is radiance times the cosine with the surface as it is, there or here: what
-    // grazes a curved surface's facet here but not there must not be divided by next to nothing.
     const float there = std::abs(dot(photon.ng(), wi)) - Photon::kNormalRounding;
-    return eval.f * photon.power * (1.0f / std::max(abs_cosine(v.point, wi), there));
+    return eval.f * photon.power * (1.0f / flux_cosine(v.point, wi, there));
   }
 };
 

@@ -241,6 +241,33 @@ std::vector<uint64_t> rejection_runs(nb::handle handle,
   }
 }
 
+// The target of a chain's start in a render that has been cancelled, and of what it goes on to.
+template <class Explorer>
+std::array<double, 2> start_when_cancelled(const RenderContext& context) {
+  RenderStats stats;
+  Explorer explorer(context, stats);
+  MarkovChain<typename Explorer::State> chain;
+  Pcg32 rng(1);
+  explorer.begin_chain(0, 1);
+  const double target = explorer.start(SobolSampler(0, 0, 0, 16, 1), rng, chain);
+  explorer.propose(chain, false);
+  return {target, chain.proposed.target};
+}
+
+std::array<double, 2> cancelled_start(nb::handle handle,
+                                      const std::map<std::string, SettingValue>& values) {
+  Ground ground(handle, values);
+  ground.cancelled = true;
+  switch (static_cast<IntegratorKind>(ground.settings.integrator)) {
+    case IntegratorKind::kPssmlt:
+      return start_when_cancelled<SampleExplorer>(ground.context());
+    case IntegratorKind::kMmlt:
+      return start_when_cancelled<TechniqueExplorer>(ground.context());
+    default:
+      return start_when_cancelled<PathExplorer>(ground.context());
+  }
+}
+
 DirectionLobes direction_lobes(const Rows3& axes, const std::vector<float>& weights) {
   DirectionLobes lobes;
   for (size_t i = 0; i < weights.size(); ++i) {
@@ -282,6 +309,7 @@ void bind_mutation_probes(nb::module_& m) {
         nb::arg("count"), nb::arg("seed"));
   m.def("rejection_runs", &rejection_runs, nb::arg("scene"), nb::arg("settings"), nb::arg("chains"),
         nb::arg("length"), nb::arg("seed"));
+  m.def("cancelled_start", &cancelled_start, nb::arg("scene"), nb::arg("settings"));
   m.def("lobe_directions", &lobe_directions, nb::arg("axes"), nb::arg("weights"), nb::arg("u"));
   m.def("lobe_density", &lobe_density, nb::arg("axes"), nb::arg("weights"), nb::arg("directions"));
 }

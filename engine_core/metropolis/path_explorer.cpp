@@ -72,8 +72,13 @@ bool take_path(PathSpace& space, const FoundPath& found, const BidirectionalMemo
 double PathExplorer::start(const SobolSampler& source, Pcg32& rng, MarkovChain<State>& chain) {
   evaluator_.sample(source, sample_);
   space_.seed(Pcg32(rng.next()));
-  const size_t chosen = sample_.choose(rng.next_float());
   PathState& at = chain.current;
+  at.v.clear();
+  at.clear();
+  if (!(sample_.target > 0.0)) {
+    return 0.0;  // the render was cancelled before the sample had found the light it has
+  }
+  const size_t chosen = sample_.choose(rng.next_float());
   size_t count = 0;
   bool taken = false;
   Contribution again;

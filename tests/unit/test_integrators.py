@@ -21,6 +21,7 @@ from scenes import (
 )
 
 import engine_core
+from engine_core import probe
 
 INTEGRATORS = [
     identifier
@@ -98,6 +99,11 @@ def test_a_render_can_be_cancelled_at_any_moment(integrator: str) -> None:
         session.cancel()
         assert session.wait(20.0)
         assert session.error_message == ""
+
+
+@pytest.mark.parametrize("integrator", ["PSSMLT", "MMLT", "MLT"])
+def test_a_chain_may_be_cancelled_before_it_has_a_start(integrator: str) -> None:
+    assert probe.cancelled_start(scene(), {"integrator": integrator}) == [0.0, 0.0]
 
 
 def notes(visibility: Visibility = Visibility.ALL, **settings: Any) -> list[str]:

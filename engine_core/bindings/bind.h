@@ -24,6 +24,7 @@ void bind_paths_probes(nanobind::module_& m);
 void bind_spatial_probes(nanobind::module_& m);
 void bind_photons_probes(nanobind::module_& m);
 void bind_coverage_probes(nanobind::module_& m);
+void bind_cut_short_probes(nanobind::module_& m);
 void bind_metropolis_probes(nanobind::module_& m);
 void bind_mutation_probes(nanobind::module_& m);
 

@@ -39,4 +39,5 @@ VERNIER_NB_MODULE(VERNIER_MODULE, m) {
   vernier::bind_spatial_probes(probe);
   vernier::bind_photons_probes(probe);
   vernier::bind_coverage_probes(probe);
+  vernier::bind_cut_short_probes(probe);
 }

@@ -4,6 +4,7 @@
 #include "bindings/bind.h"
 #include "metropolis/metropolis_step.h"
 #include "metropolis/primary_sample.h"
+#include "metropolis/seed_pool.h"
 
 namespace nb = nanobind;
 
@@ -71,6 +72,9 @@ void bind_metropolis_probes(nb::module_& m) {
     return moved;
   });
   m.def("acceptance", &acceptance);
+  m.def("part_of", &part_of, nb::arg("u"), nb::arg("count"));
+  m.def("point_of_part", &point_of_part, nb::arg("part"), nb::arg("count"), nb::arg("within"));
+  m.def("choose_by_sums", &choose_by_sums, nb::arg("sums"), nb::arg("u"));
 }
 
 }  // namespace vernier

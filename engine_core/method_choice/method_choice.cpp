@@ -157,10 +157,11 @@ Pilot try_out(const Candidate& candidate, const std::shared_ptr<const Scene>& sc
   pilot.candidate = &candidate;
   pilot.width = session.film().width();
   pilot.height = session.film().height();
-  pilot.samples = progress.samples;
+  // A picture with gaps cannot be compared with others.
+  pilot.samples = session.film().least_batches() > 0 ? progress.samples : 0.0;
   pilot.pixels = session.film().estimates();
   pilot.variances = session.film().picture_errors().variances;
-  const double taken = progress.samples * static_cast<double>(pilot.pixels.size());
+  const double taken = pilot.samples * static_cast<double>(pilot.pixels.size());
   pilot.cost =
       taken > 0.0 ? candidate.cost_per_ray * static_cast<double>(progress.rays) / taken : 0.0;
   for (const PixelEstimate& p : pilot.pixels) {

@@ -264,8 +264,7 @@ class TechniqueExplorer : public PrimaryExplorer {
       const int count = techniques_of(length_);
       samples_.begin(source);
       const int number = chosen.s == kGuidedTechnique ? count - 1 : chosen.s;
-      samples_.choose(
-          {(static_cast<float>(number) + rng.next_float()) / static_cast<float>(count), 0.0f});
+      samples_.choose({point_of_part(number, count, rng.next_float()), 0.0f});
       evaluate_technique(length_, at);
       samples_.accept();
     }
@@ -303,8 +302,7 @@ class TechniqueExplorer : public PrimaryExplorer {
 
   void evaluate_technique(int length, Contribution& out) {
     const int count = techniques_of(length);
-    const float u = samples_.get(kChoiceDimension).x;
-    const int s = std::min(static_cast<int>(u * static_cast<float>(count)), count - 1);
+    const int s = part_of(samples_.get(kChoiceDimension).x, count);
     TechniqueSet one = techniques_;
     const bool go_on = guided_.any() && s + 1 == count;
     one.only_s = go_on ? 0 : s;

@@ -8,8 +8,10 @@
 // for vertices that are not there (mutation is lazy).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -37,6 +39,25 @@ inline float small_step(float u, uint32_t bits) {
   // Once around; what rounds to 1 is 0.
   const float turned = moved < 0.0f ? moved + 1.0f : moved;
   return turned < 1.0f ? turned : turned - 1.0f;
+}
+
+// The one of `count` equal parts of [0,1) that u is in.
+inline int part_of(float u, int count) {
+  return std::min(static_cast<int>(u * static_cast<float>(count)), count - 1);
+}
+
+// The point at `within`, of [0,1), of part number `part`: exactly there by part_of(), however it is
+// rounded.
+inline float point_of_part(int part, int count, float within) {
+  const float u = (static_cast<float>(part) + within) / static_cast<float>(count);
+  float inside = std::min(u, kOneMinusEpsilon);
+  while (part_of(inside, count) > part) {
+    inside = std::nextafter(inside, 0.0f);
+  }
+  while (part_of(inside, count) < part) {
+    inside = std::nextafter(inside, 1.0f);
+  }
+  return inside;
 }
 
 class PrimarySamples {

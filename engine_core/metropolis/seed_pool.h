@@ -60,6 +60,15 @@ class ChainShare {
   double half_;  // the target at which both have one half
 };
 
+// The number that u in [0,1] chooses in proportion to what each adds to `sums`: one that adds
+// something, where any does, however u is rounded.
+inline uint32_t choose_by_sums(const std::vector<double>& sums, double u) {
+  const double at = u * sums.back();
+  const auto found = at < sums.back() ? std::upper_bound(sums.begin(), sums.end(), at)
+                                      : std::lower_bound(sums.begin(), sums.end(), sums.back());
+  return static_cast<uint32_t>(found - sums.begin());
+}
+
 // The sample of a pool with this number.
 inline SobolSampler seed_sampler(const Batch& batch, const PoolSize& size, uint32_t number) {
   return {0, 0, number, size.log2_seeds, hash64(batch.seed ^ hash64(0x706f6f6cull + batch.first))};
@@ -119,10 +128,7 @@ class SeedPool : public LightPass {
   // What an independent sample's splat counts, in sums over a pixel's samples of the batch.
   double independent_weight() const { return size_.mutations / size_.independents; }
   // The number of the sample that u in [0,1) chooses, in proportion to the targets.
-  uint32_t choose(double u) const {
-    const auto found = std::upper_bound(sums_.begin(), sums_.end(), u * sums_.back());
-    return static_cast<uint32_t>(std::min<ptrdiff_t>(found - sums_.begin(), size_.seeds - 1));
-  }
+  uint32_t choose(double u) const { return choose_by_sums(sums_, u); }
   double target(uint32_t number) const { return targets_[number]; }
   const SplatFrame& splats() const { return splats_; }
 

@@ -363,10 +363,26 @@ void Session::work(int thread) {
   thread_ended(1);
 }
 
+void Session::tell_what_is_empty() noexcept {
+  if (ending_ != Ending::kTime || film_.least_batches() > 0) {
+    return;
+  }
+  try {
+    late_notes_.emplace_back(
+        film_.pixel_samples() == 0
+            ? "The time limit ended the render before its first pass was done: the picture is empty"
+            : "The time limit ended the render before every pixel had a sample: those that have "
+              "none are empty");
+  } catch (const std::bad_alloc&) {
+    // There is no memory left for a sentence.
+  }
+}
+
 void Session::thread_ended(int count) {
   const std::lock_guard lock(mutex_);
   running_ -= count;
   if (running_ == 0) {
+    tell_what_is_empty();
     end_nanoseconds_ =
         std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start_).count();
     finished_.notify_all();

@@ -108,6 +108,8 @@ class Session {
   void work(int thread);
   void watch_the_time();
   void thread_ended(int count);
+  // Notes pixels that time left none for. Under mutex_.
+  void tell_what_is_empty() noexcept;
   // Takes in what the method has found out beforehand; before any thread asks for a job.
   void heed(const Plan& plan);
   double elapsed() const;

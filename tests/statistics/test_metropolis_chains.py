@@ -26,6 +26,28 @@ def test_chains_visit_in_proportion_to_the_target(large_steps: float, dimensions
     assert abs(expected / expected.sum() - truth).max() < 0.02
 
 
+def test_a_part_s_points_are_in_it_however_they_are_rounded() -> None:
+    """A chain starts at the technique that was chosen for it, and at no neighbour."""
+    ends = [0.0, *(2.0**-k for k in range(1, 25)), *(1.0 - 2.0**-k for k in range(1, 25))]
+    for count in (1, 2, 3, 5, 6, 7, 12, 20, 33):
+        for part in range(count):
+            for within in ends:
+                u = probe.point_of_part(part, count, within)
+                assert 0.0 <= u < 1.0
+                assert probe.part_of(u, count) == part
+                assert u == pytest.approx((part + within) / count, abs=2e-7)
+
+
+def test_a_start_is_never_one_without_light(rng: np.random.Generator) -> None:
+    targets = rng.uniform(0, 1, 50) * (rng.uniform(0, 1, 50) < 0.5)
+    targets[[0, -1]] = 0.0
+    sums = list(np.cumsum(targets))
+    points = [0.0, *rng.uniform(0, 1, 1000), 1.0 - 2.0**-53, 1.0, *(np.array(sums) / sums[-1])]
+    chosen = np.array([probe.choose_by_sums(sums, u) for u in points])
+    assert (targets[chosen] > 0.0).all()
+    assert set(chosen) == set(np.flatnonzero(targets))
+
+
 def test_small_steps_are_symmetric_and_stay_inside(rng: np.random.Generator) -> None:
     u = rng.random(400_000, np.float32)
     u[:4] = (0.0, np.nextafter(np.float32(1), np.float32(0)), 1e-30, 0.5)

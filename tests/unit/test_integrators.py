@@ -106,6 +106,41 @@ def test_a_chain_may_be_cancelled_before_it_has_a_start(integrator: str) -> None
     assert probe.cancelled_start(scene(), {"integrator": integrator}) == [0.0, 0.0]
 
 
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_what_was_cut_short_can_be_gone_on_with(integrator: str) -> None:
+    """Lists that are empty, sums of nothing and paths without an end: from no time at all to more
+    than there is to do."""
+    settings = {"integrator": integrator, "samples": 64, "threads": 2, **FEW_PHOTONS}
+    compiled = scene()
+    assert probe.cut_short(compiled, settings, 0.0) <= 2 * 35 * 34  # what is traced is cut at once
+    for seconds in np.geomspace(1e-4, 0.3, 12):
+        probe.cut_short(compiled, settings, float(seconds))
+
+
+@pytest.mark.parametrize("integrator", ["PATH", "BDPT", "PHOTON", "SPPM", "MLT"])
+def test_a_time_limit_that_leaves_an_empty_picture_says_so(integrator: str) -> None:
+    settings = {"integrator": integrator, "threads": 2, "samples": 1 << 20, "time_limit": 1e-6}
+    session = engine_core.Session(scene(), settings, ["Combined"])
+    known = list(session.notes)
+    session.start()
+    assert session.wait(20.0)
+    assert session.poll().samples == 0
+    (note,) = [note for note in session.notes if note not in known]
+    assert "time limit" in note
+    assert "the picture is empty" in note
+
+
+def test_a_time_limit_that_leaves_a_picture_says_nothing() -> None:
+    settings = {"integrator": "SPPM", "threads": 2, "samples": 1 << 20, "time_limit": 1.0}
+    session = engine_core.Session(scene(), settings, ["Combined"])
+    session.start()
+    while session.poll().samples == 0 and not session.wait(0.01):
+        pass
+    assert session.wait(20.0)
+    assert (session.poll().ending, session.poll().samples > 0) == ("time", True)
+    assert not [note for note in session.notes if "time limit" in note]
+
+
 def notes(visibility: Visibility = Visibility.ALL, **settings: Any) -> list[str]:
     builder = SceneBuilder((4, 4))
     builder.add(quad((-1, -1, 0), (2, 0, 0), (0, 2, 0)), diffuse(0.5), visibility=visibility)

@@ -35,6 +35,8 @@ std::vector<float> half_widths(PixelEstimates pixels, int width, int height, dou
       for (const std::vector<CellSums>& sums : excesses) {
         lacking = std::max(lacking, sums[cell].most_lacking());
       }
+      // A pixel that met such a batch lacks that much less: it has it in its variance.
+      lacking = std::max(lacking - pixels[i].excess, 0.0);
       const double variance = kOwnShare * pixels[i].variance + (1.0 - kOwnShare) * pooled[i];
       const double random = kNormalQuantile * std::sqrt(variance * nets[cell].net_gain());
       // What is lacking is the same every time: it shifts what varies.

@@ -7,11 +7,11 @@
 //    met by one pixel or more in two, the others must expect it. Half of the variance is the
 //    pixel's own, so that one that has met it says so.
 // 2. Excess: light that single batches brought beyond all others of their pixel. It is what the
-//    pixels lack that met no such batch. Its mean over a neighbourhood, plus its own standard
-//    error, widens their interval; of three neighbourhoods the one that asks for most counts, so
-//    that the rarest paths that are seen are heard of from afar. Where paths are so rare that
-//    hardly a pixel meets two, pooled variance would say much more than the error of nineteen
-//    pixels in twenty.
+//    pixels lack that met no such batch; one that did lacks that much less. Its mean over a
+//    neighbourhood, plus its own standard error, widens the interval; of three neighbourhoods the
+//    one that asks for most counts, so that the rarest paths that are seen are heard of from afar.
+//    Where paths are so rare that hardly a pixel meets two, pooled variance would say much more
+//    than the error of nineteen pixels in twenty.
 // 3. The nets' gain. Batches that are parts of one net fill each other's gaps, so that the mean is
 //    better than their spread tells. The two nets of a render are independent: the difference of
 //    their means, pooled over a wide neighbourhood, tells how much better.

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
 #include <vector>
 
+#include "accuracy/neighbourhood.h"
 #include "accuracy/statement.h"
 #include "camera/camera.h"
 #include "method_choice/candidates.h"
@@ -34,9 +36,10 @@ constexpr double kRobustFactorOfSmall = 2.0, kSmallPilot = 40.0 * 40.0;
 constexpr double kRareFactor = 8.0;
 // Chains are chosen where they are faster than all else by this factor...
 constexpr double kChainFactor = 2.0;
-// ...or where single batches of a method that finds caustics carry this part of the light: what
-// pilots of independent samples say is then of what they happened to meet.
-constexpr double kRareLight = 0.1;
+// ...or where single batches of a method that finds caustics carry this part of the light, so that
+// what pilots of independent samples say is of what they happened to meet, and the chains met more
+// than all but those batches by this factor. Without it glossy scenes would go to them, too.
+constexpr double kRareLight = 0.1, kFoundFactor = 1.25;
 constexpr int kBlock = 8;  // pixels a side: what is compared between methods
 constexpr double kTrim = 0.95;
 constexpr double kDeviations = 4.0;
@@ -270,12 +273,11 @@ std::optional<size_t> faster_chains(const Trial& trial, size_t fastest) {
   return std::nullopt;
 }
 
-// The part of the light that single batches brought.
+// The part of the light that single batches brought, without edges of what is bright: those are
+// rare in a pixel and sure in the picture.
 double rare_light(const Pilot& pilot) {
-  double rare = 0.0;
-  for (const PixelEstimate& p : pilot.pixels) {
-    rare += p.excess;
-  }
+  const std::vector<double> excess = shared_excess(pilot.pixels, pilot.width, pilot.height);
+  const double rare = std::accumulate(excess.begin(), excess.end(), 0.0);
   const double all = pilot.mean * static_cast<double>(pilot.pixels.size());
   return all > 0.0 ? rare / all : 0.0;
 }
@@ -283,16 +285,17 @@ double rare_light(const Pilot& pilot) {
 // Chains, where independent samples that should find caustics find them by luck.
 std::optional<size_t> chains_for_rare_light(const Trial& trial) {
   std::optional<size_t> chains;
-  bool rare = false;
+  double met = std::numeric_limits<double>::infinity();  // often, where much is met rarely
   for (size_t i = 0; i < trial.pilots.size(); ++i) {
-    const Candidate& candidate = *trial.pilots[i].candidate;
-    if (candidate.chains) {
+    const Pilot& pilot = trial.pilots[i];
+    if (pilot.candidate->chains) {
       chains = i;
-    } else if (candidate.finds_caustics) {
-      rare = rare || rare_light(trial.pilots[i]) > kRareLight;
+    } else if (pilot.candidate->finds_caustics) {
+      const double rare = rare_light(pilot);
+      met = rare > kRareLight ? std::min(met, (1.0 - rare) * pilot.mean) : met;
     }
   }
-  return rare ? chains : std::nullopt;
+  return chains && trial.pilots[*chains].mean > kFoundFactor * met ? chains : std::nullopt;
 }
 
 // A method that finds caustics, where `fastest` does not and the pilots do not tell clearly.

@@ -8,8 +8,9 @@
 // have caustics and the pilot sees no clear difference, be it for most pixels or for all, or there
 // is too little time for one, a method that finds caustics renders. Chains (Metropolis light
 // transport) render where they are clearly faster than all else: what a short trial says of them is
-// less certain, and their errors are blotches. They also render where caustics may be and much of
-// the light was met by single paths: then no pilot tells, and chains are guided to caustics.
+// less certain, and their errors are blotches. They also render where caustics may be, much of the
+// light was met by single paths, and chains met much of it: then no pilot tells, and chains are
+// guided to caustics.
 #pragma once
 
 #include <atomic>

@@ -112,14 +112,27 @@ def methods(arguments: Sequence[str]) -> argparse.Namespace:
         "processor time that each needs to a true error, and what Auto chose.",
     )
     several_scenes(parser)
-    core_methods(parser, ("PATH", "BDPT", "MMLT", "MLT"), "to be measured")
+    core_methods(parser, ("PATH", "BDPT", "MLT"), "to be measured")
     parser.add_argument(
         "--seconds", type=positive_float, default=2.0, help="of processor time a render (2)"
     )
     parser.add_argument(
         "--reference-time", type=positive_float, default=40.0, help="seconds a reference (40)"
     )
+    parser.add_argument(
+        "--references",
+        type=core_integrators,
+        default=(),
+        metavar="NAME,...",
+        help="methods of the reference, where some miss light (all that are measured)",
+    )
     small_renders(parser, 4, 48)
+    parser.add_argument(
+        "--chosen-width",
+        type=positive_int,
+        default=160,
+        help="of the picture that Auto chooses for, pixels (160)",
+    )
     parser.add_argument(
         "--variations",
         action="store_true",

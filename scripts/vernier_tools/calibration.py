@@ -6,6 +6,7 @@ stated half-width: what is within the bar of one and of the other, in quadrature
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -17,6 +18,7 @@ Array = NDArray[np.float64]
 CONFIDENCE, FLOOR, PERCENTILE = 0.95, 0.01, 0.95
 NORMAL_QUANTILE = 1.959963984540054
 RADIUS = 3  # of neighbourhoods, pixels
+DEVIATIONS = 4.0  # what noise explains
 LEAST_RUNS_TO_HALVE = 4
 SAME = 1e-5  # relative: what float32 pictures of one value differ by
 
@@ -76,20 +78,48 @@ def true_error(values: Array, truth: Array, slack: Array) -> float:
     return whole - max(0.0, halves - whole) / (math.sqrt(2.0) - 1.0)
 
 
+def windows(values: Array) -> Array:
+    """The 7 by 7 pixels around each, in a last dimension."""
+    radius = min(RADIUS, *(side - 1 for side in values.shape[-2:]))
+    margin = [(0, 0)] * (values.ndim - 2) + [(radius, radius)] * 2
+    side = 2 * radius + 1
+    around = np.lib.stride_tricks.sliding_window_view(
+        np.pad(values, margin, mode="reflect"), (side, side), axis=(-2, -1)
+    )
+    return np.asarray(around.reshape(*values.shape, side * side))
+
+
+def lacking(values: Array, truth: Array, slack: Array) -> Array:
+    """Relative light that the renders of a method have not met though the truth has it, beyond what
+    noise explains: means around each pixel, by row and column."""
+    noise = values.var(axis=0, ddof=1) / len(values) + (slack / NORMAL_QUANTILE) ** 2
+    gap = windows((truth - values.mean(axis=0)) / scale(truth)).mean(axis=-1)
+    around = windows(noise / scale(truth) ** 2)
+    return np.asarray(
+        np.maximum(gap - DEVIATIONS * np.sqrt(around.mean(axis=-1) / around.shape[-1]), 0.0)
+    )
+
+
 def deviation(values: Array, truth: Array, slack: Array) -> float:
     """The root of the relative squared error that 95 in 100 neighbourhoods of 7 by 7 pixels do not
-    exceed, over all runs. Unlike a quantile over renders it falls with the root of the samples
-    whatever the tail. The reference's own is taken off."""
-    squares = (((values - truth) / scale(truth)) ** 2).mean(axis=0)
-    own = (slack / scale(truth)) ** 2 / NORMAL_QUANTILE**2
-    radius = min(RADIUS, *(side - 1 for side in truth.shape))
-    around = [
-        np.lib.stride_tricks.sliding_window_view(
-            np.pad(each, radius, mode="reflect"), (2 * radius + 1, 2 * radius + 1)
-        ).mean(axis=(2, 3))
-        for each in (squares, np.minimum(own, squares))
-    ]
-    return float(np.sqrt(np.quantile(around[0] - around[1], PERCENTILE)))
+    exceed. Unlike a quantile over renders it falls with the root of the samples whatever the tail.
+
+    It is from what two renders or more differ by: a bright dot of the reference is no error of
+    theirs. Light that they all lack counts in full.
+    """
+    squares = windows(values.var(axis=0, ddof=1) / scale(truth) ** 2).mean(axis=-1)
+    return float(np.sqrt(np.quantile(squares + lacking(values, truth, slack) ** 2, PERCENTILE)))
+
+
+def usual_error(values: Array, truth: Array, slack: Array) -> float:
+    """The picture's error by its definition, from what two renders or more differ by: for every
+    pixel the difference that 95 in 100 pairs do not exceed, over the 7 by 7 pixels around, over
+    the root of two, and light that all lack; of these the 95th percentile."""
+    pairs = itertools.combinations(values, 2)
+    gaps = np.array([np.abs(a - b) for a, b in pairs]) / (math.sqrt(2.0) * scale(truth))
+    around = np.moveaxis(windows(gaps), 0, -2).reshape(*truth.shape, -1)
+    widths = np.hypot(np.quantile(around, CONFIDENCE, axis=-1), lacking(values, truth, slack))
+    return float(np.quantile(widths, PERCENTILE))
 
 
 def bias(values: Array, truth: Array) -> tuple[float, float]:

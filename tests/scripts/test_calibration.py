@@ -102,23 +102,68 @@ def test_percentages_have_no_exponent(value: float, text: str) -> None:
     assert calibrate.percent(value) == text
 
 
+def measured(pictures: calibration.Array, preparation: float = 0.0) -> methods.Measured:
+    """Renders of three seconds."""
+    runs = [
+        CoreRender(values, 0.0 * values, 0.1, 16.0, 3.0, "time", "PATH", "") for values in pictures
+    ]
+    return methods.Measured(runs, preparation)
+
+
 def test_the_time_to_an_error_goes_with_its_square(rng: np.random.Generator) -> None:
     truth = np.full(SHAPE, 2.0)
-
-    def run(values: calibration.Array) -> CoreRender:
-        return CoreRender(values, 0.0 * truth, 0.1, 16.0, 3.0, "time", "PATH", "")
-
-    runs = [run(values) for values in noisy(rng, 64, 0.1)]
-    at_once = methods.seconds_to(0.2, runs, run(truth))
+    reference = measured(truth[None]).runs[0]
+    pictures = noisy(rng, 64, 0.1)
+    runs = measured(pictures)
+    at_once = methods.seconds_to(0.2, runs, reference)
     assert at_once == pytest.approx(3.0, rel=0.25)
-    assert methods.seconds_to(0.1, runs, run(truth)) == pytest.approx(4.0 * at_once)
+    assert methods.seconds_to(0.1, runs, reference) == pytest.approx(4.0 * at_once)
+    # What comes before the first sample comes once.
+    assert methods.seconds_to(0.1, measured(pictures, 1.5), reference) == pytest.approx(
+        1.5 + 2.0 * at_once
+    )
+    # Errors are normal: what 95 in 100 do not exceed is 1.96 deviations.
+    assert methods.usual_seconds_to(0.2, runs, reference) == pytest.approx(at_once, rel=0.1)
+
+
+def test_a_reference_s_dot_is_no_error_but_light_that_all_lack_is(
+    rng: np.random.Generator,
+) -> None:
+    truth, pictures = np.full(SHAPE, 2.0), noisy(rng, 8, 0.1)
+    slack = np.zeros(SHAPE)
+    usual, deviation = (
+        error(pictures, truth, slack) for error in (calibration.usual_error, calibration.deviation)
+    )
+    dotted = truth.copy()
+    dotted[5, 5] = 200.0
+    # It says nothing of its own error, and is one pixel of many.
+    slack[5, 5] = 1.96 * 198.0
+    assert calibration.usual_error(pictures, dotted, slack) == pytest.approx(usual, rel=0.02)
+    assert calibration.deviation(pictures, dotted, slack) == pytest.approx(deviation, rel=0.02)
+    dark = pictures.copy()
+    dark[:, :8] *= 0.5
+    assert calibration.deviation(dark, truth, 0.0 * truth) > 4.0 * deviation
+    assert calibration.usual_error(dark, truth, 0.0 * truth) > 2.0 * usual
+
+
+def test_how_uncertain_a_time_is_falls_with_the_number_of_renders(
+    rng: np.random.Generator,
+) -> None:
+    reference = measured(np.full((1, *SHAPE), 2.0)).runs[0]
+
+    def uncertain(count: int) -> float:
+        return methods.uncertainty(measured(noisy(rng, count, 0.1)), reference)
+
+    assert math.isnan(uncertain(2))
+    assert 0.0 < uncertain(64) < uncertain(4) < 0.5
 
 
 def test_a_choice_is_compared_with_the_best() -> None:
-    row = methods.Row("box", {"PATH": 2.0, "BDPT": 3.0}, "BDPT", "so")
-    assert row.best == "PATH"
-    assert row.ratio == pytest.approx(1.5)
-    assert "| `box` | 2 | 3 | `bdpt` | 1.50 |" in methods.methods_table([row])
+    seconds, usual = {"PATH": 2.0, "BDPT": 3.0}, {"PATH": 4.0, "BDPT": 2.0}
+    row = methods.Row("box", seconds, {"PATH": 0.1, "BDPT": 0.2}, usual, "BDPT", "so")
+    assert row.times_best(seconds) == pytest.approx(1.5)
+    cells = "| `box` | 2 ± 10 % / 4 | 3 ± 20 % / 2 | `bdpt` | 1.50 / 1.00 |"
+    assert cells in methods.methods_table([row])
     adaptive = methods.Adaptive("box", 5.0, 3.0, 6.0, 0.05, 0.05)
     assert "| `box` | 5 % | 3 | 6 | 0.50 |" in methods.adaptive_table([adaptive])
 

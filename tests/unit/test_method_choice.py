@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,33 @@ def gap(size: int = 96) -> Any:
     builder.add(box((-2, -2, 0), (2, 2, 2.5), inward=True), diffuse(0.7))
     builder.add(quad((-2, 0, 0), (3.97, 0, 0), (0, 0, 2.5)), diffuse(0.7))
     builder.add(quad((-1.8, 1.9, 2.0), (0.2, 0, 0), (0, 0, 0.2)), emission(900.0))
+    return engine_core.compile(builder.description, threads=2)
+
+
+def waves(size: int = 96) -> Any:
+    """A floor seen through waves of glass, and lit through them by a small lamp far above."""
+    builder = SceneBuilder((size, size))
+    builder.camera((0, -4, 3), (0, 0, 0))
+    builder.add(quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), diffuse(0.5))
+    glass = shader("ShaderNodeBsdfGlass", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0, IOR=1.33)
+    heights = [0.8 + 0.3 * math.sin(2.1 * k) for k in range(9)]
+    for k, height in enumerate(heights[:-1]):
+        slope = heights[k + 1] - height
+        builder.add(quad((0.5 * k - 2, -2, height), (0.5, 0, slope), (0, 4, 0)), glass)
+    builder.add(quad((-0.02, -0.02, 6), (0, 0.04, 0), (0.04, 0, 0)), emission(2e5))
+    return engine_core.compile(builder.description, threads=2)
+
+
+def plates(size: int = 96) -> Any:
+    """Small lamps in plates that hardly blur them: highlights are rare in a pixel, and bright."""
+    builder = SceneBuilder((size, size))
+    builder.camera((0, -6, 2), (0, 0, 1))
+    builder.add(quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), diffuse(0.3))
+    for k, roughness in enumerate((0.02, 0.1, 0.2)):
+        plate = shader("ShaderNodeBsdfAnisotropic", Color=(0.8, 0.8, 0.8, 1.0), Roughness=roughness)
+        builder.add(quad((-1.5, 0.6 * k, 0.4 + 0.5 * k), (3, 0, 0), (0, 0.4, 0.4)), plate)
+    for k, (radius, power) in enumerate(((0.02, 2e3), (0.05, 300.0), (0.2, 20.0))):
+        builder.add(sphere(radius, (k - 1, 2.5, 3.2), rings=8), emission(power))
     return engine_core.compile(builder.description, threads=2)
 
 
@@ -81,6 +109,18 @@ def test_light_through_a_gap_is_explored_by_chains() -> None:
     assert auto(scene, ("Combined", "DiffInd"), samples=2048).integrator != "MLT"
     assert auto(scene, samples=2048, clamp_indirect=10.0).integrator != "MLT"
     assert auto(scene, samples=8).integrator != "MLT"
+
+
+def test_caustics_that_are_met_by_single_paths_are_explored_by_chains() -> None:
+    session = auto(waves(), samples=2048)
+    assert session.integrator == "MLT", session.choice
+    assert "it looks for caustics first" in session.choice
+
+
+def test_highlights_are_no_caustics_to_look_for() -> None:
+    scene = plates()
+    for seed in (1, 2, 3):
+        assert auto(scene, samples=2048, seed=seed).integrator != "MLT"
 
 
 def test_equal_seeds_give_equal_choices() -> None:

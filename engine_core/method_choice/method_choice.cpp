@@ -34,8 +34,11 @@ constexpr double kRobustFactorOfSmall = 2.0, kSmallPilot = 40.0 * 40.0;
 // Where rare bright pixels make another method look slower than one that finds caustics by this
 // factor, they are what the pilot cannot tell.
 constexpr double kRareFactor = 8.0;
+// Where the better half of the picture, most of it, and all of it agree that a method which finds
+// caustics is slower by this factor, the pilot tells clearly, if it has pixels enough.
+constexpr double kClearFactor = 1.15;
 // Chains are chosen where they are faster than all else by this factor...
-constexpr double kChainFactor = 2.0;
+constexpr double kChainFactor = 1.6;
 // ...or where single batches of a method that finds caustics carry this part of the light, so that
 // what pilots of independent samples say is of what they happened to meet, and the chains met more
 // than all but those batches by this factor. Without it glossy scenes would go to them, too.
@@ -304,10 +307,16 @@ std::optional<size_t> preferred_for_caustics(const Trial& trial, size_t fastest)
   if (best.candidate->finds_caustics) {
     return std::nullopt;
   }
-  const double factor =
-      static_cast<double>(best.pixels.size()) < kSmallPilot ? kRobustFactorOfSmall : kRobustFactor;
+  const bool small = static_cast<double>(best.pixels.size()) < kSmallPilot;
+  const double factor = small ? kRobustFactorOfSmall : kRobustFactor;
   for (size_t i = 0; i < trial.pilots.size(); ++i) {
     const Candidate& candidate = *trial.pilots[i].candidate;
+    const bool slower = trial.half[i] > kClearFactor * trial.half[fastest] &&
+                        trial.times[i] > kClearFactor * trial.times[fastest] &&
+                        trial.worst[i] > kClearFactor * trial.worst[fastest];
+    if (slower && !small) {
+      continue;
+    }
     const bool unclear = trial.times[i] <= factor * trial.times[fastest] ||
                          trial.half[i] <= factor * trial.half[fastest] ||
                          kRareFactor * trial.worst[i] <= trial.worst[fastest];

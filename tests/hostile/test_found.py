@@ -1,4 +1,4 @@
-"""Scenes that generated descriptions found faults by, kept as they were."""
+"""Files that faults were found by, kept as they were: generated scenes, and damaged ones."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import engine_core
 from engine_core import storage
 
 FOUND = sorted((Path(__file__).parent / "found").glob("*.vernier"))
+REFUSED = sorted((Path(__file__).parent / "found" / "refused").glob("*.vernier"))
 
 
 @pytest.mark.parametrize("path", FOUND, ids=[path.stem for path in FOUND])
@@ -20,3 +21,10 @@ def test_scenes_that_were_at_fault_are_drawn(path: Path) -> None:
     while not session.wait(10.0):
         pass
     assert session.error_message == ""
+
+
+@pytest.mark.parametrize("path", REFUSED, ids=[path.stem for path in REFUSED])
+def test_files_that_were_taken_by_mistake_are_refused(path: Path) -> None:
+    with pytest.raises(storage.StorageError) as refusal:
+        storage.load(path)
+    assert "\n" not in str(refusal.value)

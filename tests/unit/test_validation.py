@@ -104,6 +104,10 @@ BROKEN: list[tuple[Callable[[SceneDescription], None], str]] = [
     (_set(f"{MESH}.positions", np.zeros((4, 2), np.float32)), r"shape \(n, 3\), not \(4, 2\)"),
     (_set(f"{MESH}.positions", np.zeros((3, 4), np.float32).T), r"shape|contiguous"),
     (_set(f"{MESH}.positions", np.zeros((4, 6), np.float32)[:, ::2]), "must be C-contiguous"),
+    (
+        _set(f"{MESH}.positions", np.zeros(49, np.uint8)[1:].view(np.float32).reshape(4, 3)),
+        "must begin where its numbers may",
+    ),
     (_set(f"{MESH}.positions", None), "must be an array of float32, not NoneType"),
     (
         _poke(f"{MESH}.corner_vertices", 1, 4),

@@ -108,6 +108,8 @@ def _check_array(
         _fail(name, f"{field} must have shape {wanted}, not {array.shape}")
     if not array.flags.c_contiguous:
         _fail(name, f"{field} must be C-contiguous")
+    if not array.flags.aligned:
+        _fail(name, f"{field} must begin where its numbers may")
 
 
 def _check_finite(name: str, field: str, array: np.ndarray) -> None:

@@ -200,9 +200,14 @@ def extremes(arguments: Sequence[str]) -> argparse.Namespace:
         "--methods", type=lambda text: text.split(","), metavar="A,B", help="default: all"
     )
     parser.add_argument(
-        "--share", type=positive_float, default=4.0, help="of the cases' usual samples (4)"
+        "--share", type=positive_float, default=2.0, help="of the cases' usual samples (2)"
     )
-    parser.add_argument("--pictures", type=positive_int, default=8, help="independent ones (8)")
+    parser.add_argument(
+        "--pictures",
+        type=positive_int,
+        default=16,
+        help="independent ones (16): fewer tell little of a whole picture's own error",
+    )
     parser.add_argument("--quick", action="store_true", help="without large cases and long paths")
     parser.add_argument(
         "--resume",

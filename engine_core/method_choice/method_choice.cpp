@@ -34,8 +34,8 @@ constexpr double kRobustFactorOfSmall = 2.0, kSmallPilot = 40.0 * 40.0;
 // Where rare bright pixels make another method look slower than one that finds caustics by this
 // factor, they are what the pilot cannot tell.
 constexpr double kRareFactor = 8.0;
-// Where the better half of the picture, most of it, and all of it agree that a method which finds
-// caustics is slower by this factor, the pilot tells clearly, if it has pixels enough.
+// Where the better half of the picture, most of it, its tail, and all of it agree that a method
+// which finds caustics is slower by this factor, the pilot tells clearly, if it has pixels enough.
 constexpr double kClearFactor = 1.15;
 // Chains are chosen where they are faster than all else by this factor...
 constexpr double kChainFactor = 1.6;
@@ -120,6 +120,7 @@ struct Needed {
   double usual =
       0;  // without the largest variances: single pixels of a small picture decide little
   double worst = 0;  // with them
+  double tail = 0;   // by the neighbourhood that a picture's error is of (accuracy/statement.h)
 };
 
 Needed time_needed(const Pilot& pilot, const std::vector<Pilot>& all) {
@@ -128,9 +129,11 @@ Needed time_needed(const Pilot& pilot, const std::vector<Pilot>& all) {
     lack = std::max(lack, missed(pilot, other));
   }
   const double work = pilot.cost * pilot.samples;
+  std::vector<float> variances = pilot.variances;
+  const double percentile = error_percentile(variances, kErrorPercentile);
   return {work * (mean_below(pilot.variances, 0.5) + lack),
           work * (mean_below(pilot.variances, kTrim) + lack),
-          work * (mean_below(pilot.variances, 1.0) + lack)};
+          work * (mean_below(pilot.variances, 1.0) + lack), work * (percentile + lack)};
 }
 
 // Pixels that each candidate's picture may have.
@@ -241,7 +244,7 @@ const Candidate& robust(const std::vector<const Candidate*>& fitting, bool caust
 // What all pilots tell, in their order. Times are relative to each other.
 struct Trial {
   std::vector<Pilot> pilots;
-  std::vector<double> half, times, worst;  // Needed
+  std::vector<double> half, times, worst, tail;  // Needed
 };
 
 std::string compare(const Trial& trial, size_t best) {
@@ -311,14 +314,15 @@ std::optional<size_t> preferred_for_caustics(const Trial& trial, size_t fastest)
   const double factor = small ? kRobustFactorOfSmall : kRobustFactor;
   for (size_t i = 0; i < trial.pilots.size(); ++i) {
     const Candidate& candidate = *trial.pilots[i].candidate;
-    const bool slower = trial.half[i] > kClearFactor * trial.half[fastest] &&
-                        trial.times[i] > kClearFactor * trial.times[fastest] &&
-                        trial.worst[i] > kClearFactor * trial.worst[fastest];
-    if (slower && !small) {
+    const auto slower = [&](const std::vector<double>& times, double than) {
+      return times[i] > than * times[fastest];
+    };
+    if (!small && slower(trial.half, kClearFactor) && slower(trial.times, kClearFactor) &&
+        slower(trial.tail, kClearFactor) && slower(trial.worst, kClearFactor)) {
       continue;
     }
-    const bool unclear = trial.times[i] <= factor * trial.times[fastest] ||
-                         trial.half[i] <= factor * trial.half[fastest] ||
+    const bool unclear = !slower(trial.times, factor) || !slower(trial.half, factor) ||
+                         !slower(trial.tail, factor) ||
                          kRareFactor * trial.worst[i] <= trial.worst[fastest];
     if (candidate.finds_caustics && !candidate.chains && unclear) {
       return i;
@@ -369,12 +373,13 @@ MethodChoice choose_by_trial(const std::shared_ptr<const Scene>& scene, const Se
                     untried(caustics) + ", and there is too little time to try others");
     }
   }
-  Trial trial{std::move(pilots), {}, {}, {}};
+  Trial trial{std::move(pilots), {}, {}, {}, {}};
   for (const Pilot& pilot : trial.pilots) {
     const Needed needed = time_needed(pilot, trial.pilots);
     trial.half.push_back(needed.half);
     trial.times.push_back(needed.usual);
     trial.worst.push_back(needed.worst);
+    trial.tail.push_back(needed.tail);
   }
   const size_t fastest = fastest_without_chains(trial);
   if (const std::optional<size_t> chain = faster_chains(trial, fastest)) {

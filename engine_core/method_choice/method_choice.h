@@ -5,12 +5,12 @@
 // accuracy, so their ratio is how much longer one method takes than the other. Two things can
 // deceive: light that a method did not meet at all, which shows where another's picture is brighter
 // than both their errors allow, and light that none met, or few pixels did. So where the scene may
-// have caustics and the pilot sees no clear difference, be it for most pixels or for all, or there
-// is too little time for one, a method that finds caustics renders. Chains (Metropolis light
-// transport) render where they are clearly faster than all else: what a short trial says of them is
-// less certain, and their errors are blotches. They also render where caustics may be, much of the
-// light was met by single paths, and chains met much of it: then no pilot tells, and chains are
-// guided to caustics.
+// have caustics and the pilot sees no clear difference, be it for most pixels, for the twentieth
+// that a picture's error is told by, or for all, or there is too little time for one, a method that
+// finds caustics renders. Chains (Metropolis light transport) render where they are clearly faster
+// than all else: what a short trial says of them is less certain, and their errors are blotches.
+// They also render where caustics may be, much of the light was met by single paths, and chains met
+// much of it: then no pilot tells, and chains are guided to caustics.
 #pragma once
 
 #include <atomic>

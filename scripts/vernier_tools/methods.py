@@ -99,7 +99,10 @@ def seconds_to(error: float, measured: Measured, reference: CoreRender) -> float
 
 def usual_seconds_to(error: float, measured: Measured, reference: CoreRender) -> float:
     """By the runs' errors as a picture's error is defined, as if they fell with the root of the
-    time."""
+    time. Infinite where light that all runs lack is more than that error: it does not fall so."""
+    lacking = calibration.lacking(measured.values(), reference.values, reference.halves)
+    if np.quantile(lacking, calibration.PERCENTILE) > error:
+        return math.inf
     reached = calibration.usual_error(measured.values(), reference.values, reference.halves)
     return measured.seconds_to(error, reached)
 
@@ -243,7 +246,9 @@ def scenes(options: argparse.Namespace, path: Path) -> Iterator[tuple[str, Scene
 
 
 def told(seconds: float) -> str:
-    """Three digits, yet never an exponent."""
+    """Three digits, yet never an exponent; a dash for what is infinite."""
+    if math.isinf(seconds):
+        return "–"
     return f"{seconds:.3g}" if seconds < 999.5 else f"{seconds:.0f}"
 
 

@@ -144,6 +144,10 @@ def test_a_reference_s_dot_is_no_error_but_light_that_all_lack_is(
     dark[:, :8] *= 0.5
     assert calibration.deviation(dark, truth, 0.0 * truth) > 4.0 * deviation
     assert calibration.usual_error(dark, truth, 0.0 * truth) > 2.0 * usual
+    reference = measured(truth[None]).runs[0]
+    assert math.isfinite(methods.usual_seconds_to(0.1, measured(pictures), reference))
+    assert math.isinf(methods.usual_seconds_to(0.1, measured(dark), reference))
+    assert methods.told(math.inf) == "–"
 
 
 def test_how_uncertain_a_time_is_falls_with_the_number_of_renders(

@@ -48,6 +48,7 @@ nb::dict requirements(const SceneHandle& handle) {
   d["uneven_visibility"] = r.uneven_visibility;
   d["things_in_lamps"] = r.things_in_lamps;
   d["path_dependent"] = r.path_dependent;
+  d["transmits_by_side"] = r.transmits_by_side;
   return d;
 }
 

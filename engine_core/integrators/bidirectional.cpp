@@ -50,6 +50,11 @@ std::vector<std::string> describe_limits(const Settings& settings,
     notes.push_back(
         "Light Tracing does not light what lies within a point or spot lamp without soft falloff");
   }
+  if (requirements.transmits_by_side) {
+    notes.push_back(
+        "Light Tracing's paths pass a surface as the side that they come from has it: what a "
+        "material lets through as seen from its other side alone is left out");
+  }
   if (requirements.singular_lobes) {
     notes.push_back("Light Tracing shows nothing on mirrors and through clear glass");
   }

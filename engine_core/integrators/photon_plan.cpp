@@ -235,6 +235,11 @@ std::vector<std::string> describe_photon_limits(const Settings& settings,
         "Photons meet materials that read the ray's path as a ray of no kind would: they cannot "
         "know what the camera's part of the path has been through");
   }
+  if (requirements.transmits_by_side) {
+    notes.push_back(
+        "Photons pass a surface as the side that they come from has it: what a material lets "
+        "through as seen from its other side alone is left out");
+  }
   if (requirements.uneven_lights > 0) {
     notes.push_back(
         std::to_string(requirements.uneven_lights) +

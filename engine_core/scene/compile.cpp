@@ -294,6 +294,9 @@ class SceneCompiler {
       ++(traits.is_constant ? r.constant_materials : r.program_materials);
       r.programs = r.programs || !traits.is_constant;
       r.path_dependent = r.path_dependent || traits.path_dependent;
+      constexpr uint8_t kThrough = kLobeTransmission | kLobeTransparent;
+      r.transmits_by_side =
+          r.transmits_by_side || (traits.side_dependent && (traits.lobes & kThrough) != 0);
       r.textured_emission =
           r.textured_emission || (traits.is_emissive && !traits.emission_constant);
       r.singular_lobes = r.singular_lobes || (traits.lobes & kLobeSingular) != 0;

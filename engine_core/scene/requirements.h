@@ -31,6 +31,8 @@ struct Requirements {
   uint64_t uneven_lights = 0;
   bool things_in_lamps = false;  // see lamps_hold_things (lights/lamp_contents.h)
   bool path_dependent = false;   // some material reads what the path has been through
+  // Some material that lets light through reads which side it is seen from.
+  bool transmits_by_side = false;
 };
 
 }  // namespace vernier

@@ -32,9 +32,9 @@ METHODS = {
     # What it merges is blurred over the radius, of some pixels unless it is set; and pixels of a
     # case are as large as what is in it. Within one of them little is lost at edges.
     "VCM": Method(bias=0.02, blur=0.05, settings={"merge_radius": 1.0}, joins=True),
-    "SPPM": Method(Needs.AIM, bias=0.04, blur=0.15),
+    "SPPM": Method(Needs.AIM | Needs.VIEW, bias=0.04, blur=0.15),
     "PHOTON": Method(
-        Needs.AIM,
+        Needs.AIM | Needs.VIEW,
         bias=0.15,
         blur=0.15,
         settings={

@@ -160,6 +160,28 @@ def test_what_is_left_out_is_named(integrator: str) -> None:
     assert notes(hidden, integrator="PATH", diffuse_bounces=2) == []
 
 
+@pytest.mark.parametrize("integrator", ["LIGHT", "PHOTON", "SPPM"])
+def test_sides_that_let_light_through_apart_are_named(integrator: str) -> None:
+    """Matte in front and translucent behind: light from the front never comes through."""
+    nodes = [
+        Node("ShaderNodeNewGeometry"),
+        Node("ShaderNodeBsdfDiffuse"),
+        Node("ShaderNodeBsdfTranslucent"),
+        Node("ShaderNodeMixShader", inputs={"Fac": Link(0, "Backfacing"), "Shader": Link(1, "BSDF"),
+                                            "Shader_001": Link(2, "BSDF")}),
+    ]  # fmt: skip
+    builder = SceneBuilder((4, 4))
+    builder.add(quad((-1, -1, 0), (2, 0, 0), (0, 2, 0)), Graph(nodes, Link(3, "Shader")))
+    builder.light("POINT", transform=placed(1.0, (0, 0, 2)), emission=(10.0,) * 3)
+    builder.camera((0, -4, 3), (0, 0, 0))
+    compiled = engine_core.compile(builder.description, threads=1)
+    found = engine_core.Session(compiled, {"integrator": integrator}, ["Combined"]).notes
+    assert any("other side alone is left out" in note for note in found)
+    assert not any("other side" in note for note in notes(integrator=integrator))
+    by_camera = engine_core.Session(compiled, {"integrator": "BDPT"}, ["Combined"]).notes
+    assert list(by_camera) == []
+
+
 def test_what_chains_do_not_clamp_is_named() -> None:
     assert notes(integrator="MLT") == []
     (clamped,) = notes(integrator="MLT", clamp_indirect=2.0)

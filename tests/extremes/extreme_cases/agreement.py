@@ -23,7 +23,8 @@ def cases() -> list[Case]:
     for material in MATERIALS:
         scene = partial(build, material, "area")
         needs = plain | Needs.POLISHED if material in POLISHED else plain
-        needs |= Needs.VIEW if material.startswith("light_path") else Needs.NOTHING
+        viewed = material.startswith("light_path") or material == "backfacing"
+        needs |= Needs.VIEW if viewed else Needs.NOTHING
         found.append(
             Case("agreement", f"material {material}", scene, Same(scene, of_paths=True), needs,
                  four, samples=16)

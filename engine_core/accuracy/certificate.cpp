@@ -9,7 +9,6 @@
 namespace vernier {
 namespace {
 
-constexpr unsigned kLeastBatches = 16;
 constexpr double kLeastCarriers = 16.0;
 constexpr double kFewCarriersFactor = 3.0;
 // Errors of neighbours say the same: half of each is pooled over 7 x 7 pixels.

@@ -14,6 +14,9 @@
 
 namespace vernier {
 
+// Batches that every pixel must have before any target is met.
+inline constexpr unsigned kLeastBatches = 16;
+
 struct Certificate {
   double error = 0;  // of the picture (statement.h)
   double bound = 0;  // of that error, by this look's share of confidence

@@ -247,6 +247,10 @@ Schedule::Round Session::look() {
   std::vector<bool> active(round.size(), true);
   if (adapts) {
     active = film_.unfinished(found.errors, 0.01 * settings_.target_error);
+    // A tile that stopped before would keep the picture from being certified, and others going.
+    for (size_t tile = 0; tile < active.size(); ++tile) {
+      active[tile] = active[tile] || before[tile] < kLeastBatches;
+    }
     // Where the pixels are well but the picture's mean is not, all tiles are in need.
     if (std::find(active.begin(), active.end(), true) == active.end()) {
       active.assign(active.size(), true);

@@ -75,6 +75,18 @@ def test_too_few_batches_certify_nothing() -> None:
     assert progress.samples >= 16
 
 
+def test_tiles_that_end_sooner_keep_no_picture_from_its_target() -> None:
+    """Where every tile has few batches, one that stopped must not make all others go on."""
+    scene = soft(96)
+    for target in (16.0, 25.0):
+        uneven, even = (
+            rendered(scene, integrator="PATH", target_error=target, adaptive=adaptive).poll()
+            for adaptive in (True, False)
+        )
+        assert uneven.ending == even.ending == "target"
+        assert uneven.samples <= 1.1 * even.samples
+
+
 def test_stopping_at_a_target_biases_neither_picture_nor_claim() -> None:
     """200 small renders: their mean is the truth, and 95 in 100 pixels lie within their error."""
     scene = soft(12)

@@ -1,5 +1,8 @@
 #include "scene/scene.h"
 
+#include <algorithm>
+#include <array>
+
 #include "camera/camera.h"
 #include "lights/light_sampler.h"
 #include "nodes/material.h"
@@ -13,6 +16,36 @@ namespace {
 template <typename T>
 T interpolate(T a, T b, T c, float u, float v) {
   return a * (1.0f - u - v) + b * u + c * v;
+}
+
+using Vec3d = std::array<double, 3>;
+
+Vec3d difference(Vec3f a, Vec3f b) {
+  return {static_cast<double>(a.x) - static_cast<double>(b.x),
+          static_cast<double>(a.y) - static_cast<double>(b.y),
+          static_cast<double>(a.z) - static_cast<double>(b.z)};
+}
+double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3d cross(const Vec3d& a, const Vec3d& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// The weights of b and c where the ray (of the triangle's own space) is at t. Embree says 0 and 0
+// wherever the triple product that these are ratios of is below 1e-18: on triangles of 1e-6 units
+// in instances that are enlarged by as much, which would have all of their light at one corner.
+Vec2f weights_at(Vec3f a, Vec3f b, Vec3f c, Vec3f origin, Vec3f direction, float t) {
+  const Vec3d e1 = difference(b, a), e2 = difference(c, a), n = cross(e1, e2);
+  Vec3d q = difference(origin, a);
+  for (int axis = 0; axis < 3; ++axis) {
+    q[static_cast<size_t>(axis)] += static_cast<double>(direction[axis]) * static_cast<double>(t);
+  }
+  const double square = dot(n, n);
+  if (!(square > 0.0)) {
+    return {};
+  }
+  const double u = std::clamp(dot(cross(q, e2), n) / square, 0.0, 1.0);
+  const double v = std::clamp(dot(cross(e1, q), n) / square, 0.0, 1.0 - u);
+  return {static_cast<float>(u), static_cast<float>(v)};
 }
 
 }  // namespace
@@ -33,15 +66,21 @@ SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
   const Vec3f a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
   SurfacePoint s;
   s.scene = this;
-  s.u = hit.u, s.v = hit.v;
+  Vec2f weights{hit.u, hit.v};
+  if (hit.u == 0.0f && hit.v == 0.0f) {
+    weights = mesh.instanced ? weights_at(a, b, c, instance.from_render.point(ray.o),
+                                          instance.from_render.vector(ray.d), hit.t)
+                             : weights_at(a, b, c, ray.o, ray.d, hit.t);
+  }
+  s.u = weights.x, s.v = weights.y;
   s.instance = hit.instance, s.mesh = instance.mesh, s.triangle = hit.triangle;
   s.material = material_of(hit.instance, hit.triangle);
 
   // The point from its barycentric coordinates, not from the ray: its error is then bounded by the
   // triangle's own coordinates, however long the ray was (Pharr et al. 2023, section 6.8.4). The
   // bound also covers the intersection test of the next ray, whose rounding is of the same size.
-  const float w = 1.0f - hit.u - hit.v;
-  s.p = a * w + b * hit.u + c * hit.v;
+  const float w = 1.0f - s.u - s.v;
+  s.p = a * w + b * s.u + c * s.v;
   s.p_error = (abs(a) + abs(b) + abs(c)) * gamma(8);
   Vec3f ng = cross(b - a, c - a);
   if (mesh.instanced) {
@@ -69,7 +108,7 @@ SurfacePoint Scene::surface_point(const Ray& ray, const Hit& hit) const {
   if (mesh.normal_domain != Domain::kFace) {
     const auto& corner = mesh.normal_domain == Domain::kPoint ? t : mesh.corners[hit.triangle];
     const Vec3f n = interpolate(mesh.normals[corner[0]], mesh.normals[corner[1]],
-                                mesh.normals[corner[2]], hit.u, hit.v);
+                                mesh.normals[corner[2]], s.u, s.v);
     const Vec3f ns = normalize(mesh.instanced ? instance.world_to_object.transposed_vector(n) : n);
     if (!(ns == Vec3f{})) {
       s.ns = ns;

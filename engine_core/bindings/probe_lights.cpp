@@ -27,13 +27,15 @@ Vec2f vec2(const Floats& a, size_t i, size_t column = 0) {
   return {a(i, column), a(i, column + 1)};
 }
 
-// Rows of world position (3), ng (3), ns (3), transmits.
+// Rows of world position (3), ng (3), ns (3), transmits and, where there is one more, complemented.
 Receiver receiver(const Scene& scene, const Floats& a, size_t i) {
   const std::array<double, 3>& o = scene.origin();
   const Vec3f p{static_cast<float>(static_cast<double>(a(i, 0)) - o[0]),
                 static_cast<float>(static_cast<double>(a(i, 1)) - o[1]),
                 static_cast<float>(static_cast<double>(a(i, 2)) - o[2])};
-  return {p, vec3(a, i, 3), vec3(a, i, 6), a(i, 9) != 0.0f};
+  Receiver from(p, vec3(a, i, 3), vec3(a, i, 6), a(i, 9) != 0.0f);
+  from.complemented = a.shape(1) > 10 && a(i, 10) != 0.0f;
+  return from;
 }
 
 // Columns: valid, wi (3), distance, radiance (3), pdf, pdf_selection, point (3, world), normal (3),
@@ -313,7 +315,7 @@ Result octahedral_map(const Floats& points) {
 // densities. `directions` are evaluated instead where they are given (no sampling).
 Result environment_map(int resolution, const Floats& lobes, const Floats& u,
                        const Floats& directions) {
-  const EnvironmentMap map(resolution, 2, [&](Vec3f d) {
+  const EnvironmentMap map(resolution, 2, false, [&](Vec3f d) {
     float sum = 0.0f;
     for (size_t i = 0; i < lobes.shape(0); ++i) {
       sum += lobes(i, 4) * std::exp(lobes(i, 3) * (dot(d, vec3(lobes, i)) - 1.0f));

@@ -106,6 +106,7 @@ class PathTracer {
         break;
       }
       here_ = Receiver(point, (bsdf.lobes() & kLobeTransmission) != 0);
+      here_.complemented = strategy_ == DirectLight::kMis;
       draws_ = sampler_.get_2d_run<kDraws>(dimension(vertex, BounceDim{}));
       if (!sample_light(point, bsdf) || !continue_path(vertex, point, bsdf, ray)) {
         break;

@@ -1,5 +1,6 @@
 #include "lights/environment.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "lights/lamp.h"
@@ -7,7 +8,7 @@
 
 namespace vernier {
 
-EnvironmentMap::EnvironmentMap(int resolution, int points,
+EnvironmentMap::EnvironmentMap(int resolution, int points, bool peaks,
                                const std::function<Color(Vec3f)>& radiance)
     : uniform_(false) {
   const int fine = points * resolution;
@@ -34,6 +35,31 @@ EnvironmentMap::EnvironmentMap(int resolution, int points,
   }
   mean_ = static_cast<float>(sum / static_cast<double>(cells.size()));
   map_ = PiecewiseConstant2D(cells, resolution, resolution);
+  if (peaks) {
+    keep_peaks(cells, resolution);
+  }
+}
+
+void EnvironmentMap::keep_peaks(std::vector<float>& cells, int resolution) {
+  double sum = 0.0;
+  for (float& cell : cells) {
+    cell = std::max(cell - mean_, 0.0f);
+    sum += static_cast<double>(cell);
+  }
+  mean_of_peaks_ = static_cast<float>(sum / static_cast<double>(cells.size()));
+  if (mean_of_peaks_ > 0.0f) {
+    peaks_ = PiecewiseConstant2D(cells, resolution, resolution);
+  }
+}
+
+Vec3f EnvironmentMap::sample_map(const PiecewiseConstant2D& map, Vec2f u, float& pdf) {
+  const Vec2f p = map.sample(u, pdf);
+  pdf *= kInvFourPi;
+  return normalize(square_to_sphere_equal_area(p));
+}
+
+float EnvironmentMap::pdf_map(const PiecewiseConstant2D& map, Vec3f wi) {
+  return map.pdf(sphere_to_square_equal_area(wi)) * kInvFourPi;
 }
 
 Vec3f EnvironmentMap::sample_direction(Vec2f u, float& pdf) const {
@@ -41,13 +67,11 @@ Vec3f EnvironmentMap::sample_direction(Vec2f u, float& pdf) const {
     pdf = kInvFourPi;
     return square_to_uniform_sphere(u);
   }
-  const Vec2f p = map_.sample(u, pdf);
-  pdf *= kInvFourPi;
-  return normalize(square_to_sphere_equal_area(p));
+  return sample_map(map_, u, pdf);
 }
 
 float EnvironmentMap::pdf_direction(Vec3f wi) const {
-  return uniform_ ? kInvFourPi : map_.pdf(sphere_to_square_equal_area(wi)) * kInvFourPi;
+  return uniform_ ? kInvFourPi : pdf_map(map_, wi);
 }
 
 }  // namespace vernier

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "lights/light_sample.h"
 #include "math/distribution.h"
@@ -12,18 +13,24 @@ namespace vernier {
 
 // Which directions of the world are sampled. A world of one radiance is sampled uniformly, in the
 // upper hemisphere by the cosine where the receiver does not transmit; any other by a map of its
-// radiance over the equal-area octahedron, which has no poles to distort.
+// radiance over the equal-area octahedron, which has no poles to distort. For receivers that are
+// complemented by other directions, the map is of what exceeds the mean: what is dimmer is left to
+// those, and no sample is lost to it that the bright parts need (Karlik et al. 2019, "MIS
+// Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", section 4).
 class EnvironmentMap {
  public:
   // A uniform world.
   EnvironmentMap() = default;
   explicit EnvironmentMap(Color radiance) : mean_(average(abs(radiance))) {}
   // `resolution` cells along each side of the octahedral square, each the mean of `points` x
-  // `points` of the radiance.
-  EnvironmentMap(int resolution, int points, const std::function<Color(Vec3f)>& radiance);
+  // `points` of the radiance. `peaks`: there is a map for complemented receivers.
+  EnvironmentMap(int resolution, int points, bool peaks,
+                 const std::function<Color(Vec3f)>& radiance);
 
   // Mean over all directions of the average of RGB.
   float mean_radiance() const { return mean_; }
+  // The same of what complemented receivers sample.
+  float mean_of_peaks() const { return mean_of_peaks_; }
 
   Vec3f sample(const Receiver& from, Vec2f u, float& pdf) const {
     if (uniform_) {
@@ -35,13 +42,13 @@ class EnvironmentMap {
       pdf = cosine_hemisphere_pdf(local.z);
       return Frame(from.ns).to_world(local);
     }
-    return sample_direction(u, pdf);
+    return sample_map(map_for(from), u, pdf);
   }
   float pdf(const Receiver& from, Vec3f wi) const {
     if (uniform_) {
       return from.transmits ? kInvFourPi : cosine_hemisphere_pdf(dot(wi, from.ns));
     }
-    return pdf_direction(wi);
+    return pdf_map(map_for(from), wi);
   }
 
   // Without a receiver: the directions from which light comes, for light tracing.
@@ -49,9 +56,16 @@ class EnvironmentMap {
   float pdf_direction(Vec3f wi) const;
 
  private:
+  const PiecewiseConstant2D& map_for(const Receiver& from) const {
+    return from.complemented && mean_of_peaks_ > 0.0f ? peaks_ : map_;
+  }
+  void keep_peaks(std::vector<float>& cells, int resolution);  // changes the cells
+  static Vec3f sample_map(const PiecewiseConstant2D& map, Vec2f u, float& pdf);
+  static float pdf_map(const PiecewiseConstant2D& map, Vec3f wi);
+
   bool uniform_ = true;
-  float mean_ = 0;
-  PiecewiseConstant2D map_;
+  float mean_ = 0, mean_of_peaks_ = 0;
+  PiecewiseConstant2D map_, peaks_;
 };
 
 }  // namespace vernier

@@ -14,6 +14,9 @@ struct Receiver {
   Vec3f p;                 // render space
   Vec3f ng, ns;            // unit geometric and shading normals, both on the side of wo
   bool transmits = false;  // some lobe carries light to the other side
+  // Directions that the BSDF draws find the world as well, and the two are weighted against each
+  // other: what is dim in it need not be sampled as a light.
+  bool complemented = false;
 
   Receiver() = default;
   Receiver(Vec3f p_, Vec3f ng_, Vec3f ns_, bool transmits_)

@@ -37,30 +37,70 @@ float distant_importance(const LightTable& table, size_t i, const Receiver& from
   return cos_ng > -sine ? irradiance * std::max(cos_ns, kImportanceCosineFloor) : 0.0f;
 }
 
-// The alternatives of the first choice: distant lights in their order, then the tree.
-struct FirstChoice {
-  float sum = 0;
-  uint32_t alternatives = 0;
-  float tree = 0;
+// Of the irradiance that other directions find as well, this part counts where all other lights
+// together are as strong as it. Samples that go to it halve its variance, at best, while every
+// other light loses as many: that variance is of what hides the sky and small, theirs that of being
+// chosen or not.
+constexpr float kShareOfFound = 0.15f;
 
-  FirstChoice(const LightTable& table, const Receiver& from) {
-    for (size_t i = 0; i < table.distant.size(); ++i) {
-      add(distant_importance(table, i, from));
-    }
+// The alternatives of the first choice: distant lights in their order, then the tree.
+class FirstChoice {
+ public:
+  FirstChoice(const LightTable& table, const Receiver& from) : table_(table), from_(from) {
     // Alone, the tree needs no weighing.
     const bool alone = table.distant.empty() && !table.tree.empty();
-    tree = alone ? 1.0f : table.tree.importance(from);
-    add(tree);
+    tree_ = alone ? 1.0f : table.tree.importance(from);
+    add(tree_);
+    size_t distant = table.distant.size();
+    if (from.complemented && table.has_environment) {
+      --distant;  // it comes last
+    }
+    for (size_t i = 0; i < distant; ++i) {
+      add(distant_importance(table, i, from));
+    }
+    if (distant < table.distant.size()) {
+      add_complemented(table.distant_irradiance[distant]);
+    }
   }
+  bool any() const { return sum_ > 0.0f; }
+  bool has_tree() const { return tree_ > 0.0f; }
+  float probability_of_tree() const { return probability(tree_); }
+  // Of distant light number i.
+  float probability_of(size_t i) const {
+    const bool environment = from_.complemented && table_.is_environment(table_.distant[i]);
+    if (!environment) {
+      return probability(distant_importance(table_, i, from_));
+    }
+    return probability(peaks_) + (environment_ - peaks_) / sum_ * (1.0f - even_share());
+  }
+
+ private:
   void add(float importance) {
-    sum += importance;
-    alternatives += importance > 0.0f ? 1 : 0;
+    sum_ += importance;
+    alternatives_ += importance > 0.0f ? 1 : 0;
   }
+  void add_complemented(float irradiance) {
+    const EnvironmentMap& map = table_.environment;
+    peaks_ = irradiance * (map.mean_of_peaks() / map.mean_radiance());
+    add(peaks_);
+    const float found = irradiance - peaks_;
+    environment_ =
+        peaks_ + (sum_ > 0.0f ? found * std::min(kShareOfFound * found / sum_, 1.0f) : found);
+    sum_ += environment_ - peaks_;
+  }
+  float even_share() const { return alternatives_ > 1 ? kEvenShare : 0.0f; }
   float probability(float importance) const {
-    return importance > 0.0f ? lerp(importance / sum, 1.0f / static_cast<float>(alternatives),
-                                    alternatives > 1 ? kEvenShare : 0.0f)
-                             : 0.0f;
+    return importance > 0.0f
+               ? lerp(importance / sum_, 1.0f / static_cast<float>(alternatives_), even_share())
+               : 0.0f;
   }
+
+  const LightTable& table_;
+  const Receiver& from_;
+  float sum_ = 0;
+  uint32_t alternatives_ = 0;
+  float tree_ = 0;
+  float environment_ = 0, peaks_ = 0;  // of a complemented receiver
 };
 
 }  // namespace
@@ -148,21 +188,21 @@ uint32_t LightSampler::choose(const Receiver& from, float u, float& probability)
     return 0;
   }
   const FirstChoice first(table, from);
-  if (first.alternatives == 0) {
+  if (!first.any()) {
     return kNoIndex;
   }
   double rest = extend_bits(u);
   for (size_t i = 0; i < table.distant.size(); ++i) {
-    const float p = first.probability(distant_importance(table, i, from));
+    const float p = first.probability_of(i);
     // The last alternative takes what rounding leaves.
-    const bool last = first.tree == 0.0f && i + 1 == table.distant.size();
+    const bool last = !first.has_tree() && i + 1 == table.distant.size();
     if (p > 0.0f && (rest < static_cast<double>(p) || last)) {
       probability = p;
       return table.distant[i];
     }
     rest -= static_cast<double>(p);
   }
-  const float p = first.probability(first.tree);
+  const float p = first.probability_of_tree();
   if (!(p > 0.0f)) {
     return kNoIndex;
   }
@@ -181,10 +221,10 @@ float LightSampler::pdf_selection(const Receiver& from, uint32_t light) const {
   const FirstChoice first(table, from);
   for (size_t i = 0; i < table.distant.size(); ++i) {
     if (table.distant[i] == light) {
-      return first.probability(distant_importance(table, i, from));
+      return first.probability_of(i);
     }
   }
-  const float p = first.probability(first.tree);
+  const float p = first.probability_of_tree();
   return p > 0.0f ? p * table.tree.pdf(from, light) : 0.0f;
 }
 

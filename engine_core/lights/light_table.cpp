@@ -124,7 +124,9 @@ EnvironmentMap map_environment(const Scene& scene, int resolution) {
   if (resolution == 0) {
     resolution = std::clamp(width, kLeastResolution, kLargestResolution);
   }
-  return EnvironmentMap(resolution, width > 0 && width <= resolution ? 1 : 2,
+  // What a world that knows rays apart shows to light sampling is not what other directions find.
+  const bool peaks = !scene.world->traits().path_dependent;
+  return EnvironmentMap(resolution, width > 0 && width <= resolution ? 1 : 2, peaks,
                         [&](Vec3f d) { return environment_radiance(scene, d, 0, PathDepth{}); });
 }
 

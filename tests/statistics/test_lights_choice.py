@@ -65,6 +65,11 @@ def receivers(rng: np.random.Generator, count: int) -> np.ndarray:
     return rows
 
 
+def complemented(at: np.ndarray) -> np.ndarray:
+    """The same receivers, where other directions find the world as well."""
+    return np.concatenate([at, np.ones((len(at), 1), np.float32)], axis=1)
+
+
 def all_selections(scene: Any, at: np.ndarray) -> np.ndarray:
     """Probability of every light for every receiver: (receivers, lights)."""
     count = probe.light_summary(scene)["count"]
@@ -100,9 +105,13 @@ def test_no_light_that_contributes_is_left_out(many: Any, rng: np.random.Generat
         assert (p.reshape(-1)[lit] > 0).all()
 
 
-def test_lights_are_chosen_as_often_as_they_should(many: Any, rng: np.random.Generator) -> None:
+@pytest.mark.parametrize("alone", [True, False], ids=["alone", "complemented"])
+def test_lights_are_chosen_as_often_as_they_should(
+    many: Any, alone: bool, rng: np.random.Generator
+) -> None:
     n = 20_000
-    for at in receivers(rng, 5):
+    rows = receivers(rng, 5)
+    for at in rows if alone else complemented(rows):
         s = sample(many, at[None], rng, n)
         p = all_selections(many, at[None])[0]
         assert s.pdf_selection[s.valid] == pytest.approx(p[s.light[s.valid]], rel=1e-4)
@@ -181,6 +190,21 @@ def test_a_lamp_indoors_does_not_starve_beside_the_sun() -> None:
     p = all_selections(compiled(builder), receiver((0, 0, 0)))[0]
     assert p.sum() == pytest.approx(1)
     assert p[1] > 0.05
+
+
+@pytest.mark.parametrize(("sky", "probability"), [(0.2, 0.01), (2e4, 0.99)])
+def test_a_plain_sky_is_left_to_other_directions(sky: float, probability: float) -> None:
+    """But where it outshines all lamps, samples that go to it cost those nothing."""
+    builder = SceneBuilder()
+    builder.light("SUN", emission=(10.0,) * 3, transform=placed())
+    builder.description.world = background(sky)
+    at = receiver((0, 0, 0))
+    scene = compiled(builder)
+    alone, shared = (all_selections(scene, rows)[0] for rows in (at, complemented(at)))
+    assert alone.sum() == pytest.approx(1)
+    assert shared.sum() == pytest.approx(1)
+    assert alone[1] > 0.1
+    assert (shared[1] < probability) == (sky < 1.0)
 
 
 def test_triangles_are_told_from_dark_ones(rng: np.random.Generator) -> None:

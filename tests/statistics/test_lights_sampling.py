@@ -255,6 +255,22 @@ def test_a_world_with_an_image(rng: np.random.Generator) -> None:
     assert value.std() < 0.5 * value.mean()  # the radiance is followed closely
 
 
+def test_the_peaks_of_a_world_with_an_image(rng: np.random.Generator) -> None:
+    """Where other directions find the sky as well, light sampling finds the bright spot alone."""
+    builder = SceneBuilder()
+    pixels = np.full((32, 64, 3), 0.1, np.float32)
+    pixels[22:24, 40:43] = (90, 60, 30)
+    builder.description.images = [Image("sky", pixels, "linear")]
+    builder.description.world = World(pictured("ShaderNodeBackground", "Generated"))
+    scene = compiled(builder)
+    at = np.append(receiver((0, 0, 0)), np.float32([[1]]), axis=1)
+    s = assert_samples_follow_density(scene, at, rng, fine=64)
+    assert (s.radiance[s.valid, 0] > 0.3).mean() > 0.99
+    d = unit(rng.normal(size=(10_000, 3)))
+    _, radiance, pdf = met(scene, at, d)
+    assert (pdf[radiance < 0.21] == 0).mean() > 0.99
+
+
 def test_a_triangle_with_an_image(rng: np.random.Generator) -> None:
     """What its samples bring is what rays to it find."""
     builder = SceneBuilder()

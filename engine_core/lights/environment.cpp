@@ -46,8 +46,11 @@ void EnvironmentMap::keep_peaks(std::vector<float>& cells, int resolution) {
     cell = std::max(cell - mean_, 0.0f);
     sum += static_cast<double>(cell);
   }
-  mean_of_peaks_ = static_cast<float>(sum / static_cast<double>(cells.size()));
-  if (mean_of_peaks_ > 0.0f) {
+  // What exceeds the mean by less than this part of it may be rounding, of a plain picture.
+  constexpr float kLeastPeaks = 1e-5f;
+  const auto mean_of_peaks = static_cast<float>(sum / static_cast<double>(cells.size()));
+  if (mean_of_peaks > kLeastPeaks * mean_) {
+    mean_of_peaks_ = mean_of_peaks;
     peaks_ = PiecewiseConstant2D(cells, resolution, resolution);
   }
 }

@@ -46,20 +46,20 @@ constexpr float kShareOfFound = 0.15f;
 // The alternatives of the first choice: distant lights in their order, then the tree.
 class FirstChoice {
  public:
-  FirstChoice(const LightTable& table, const Receiver& from) : table_(table), from_(from) {
+  FirstChoice(const LightTable& table, const Receiver& from)
+      : table_(table),
+        from_(from),
+        complemented_(from.complemented && table.has_environment && table.even_environment) {
     // Alone, the tree needs no weighing.
     const bool alone = table.distant.empty() && !table.tree.empty();
     tree_ = alone ? 1.0f : table.tree.importance(from);
     add(tree_);
-    size_t distant = table.distant.size();
-    if (from.complemented && table.has_environment) {
-      --distant;  // it comes last
-    }
-    for (size_t i = 0; i < distant; ++i) {
+    const size_t others = table.distant.size() - (complemented_ ? 1 : 0);  // the world comes last
+    for (size_t i = 0; i < others; ++i) {
       add(distant_importance(table, i, from));
     }
-    if (distant < table.distant.size()) {
-      add_complemented(table.distant_irradiance[distant]);
+    if (complemented_) {
+      add_complemented(table.distant_irradiance.back());
     }
   }
   bool any() const { return sum_ > 0.0f; }
@@ -67,11 +67,10 @@ class FirstChoice {
   float probability_of_tree() const { return probability(tree_); }
   // Of distant light number i.
   float probability_of(size_t i) const {
-    const bool environment = from_.complemented && table_.is_environment(table_.distant[i]);
-    if (!environment) {
+    if (!complemented_ || !table_.is_environment(table_.distant[i])) {
       return probability(distant_importance(table_, i, from_));
     }
-    return probability(peaks_) + (environment_ - peaks_) / sum_ * (1.0f - even_share());
+    return may_starve_ ? probability(environment_) : environment_ / sum_ * (1.0f - even_share());
   }
 
  private:
@@ -81,12 +80,14 @@ class FirstChoice {
   }
   void add_complemented(float irradiance) {
     const EnvironmentMap& map = table_.environment;
-    peaks_ = irradiance * (map.mean_of_peaks() / map.mean_radiance());
-    add(peaks_);
-    const float found = irradiance - peaks_;
+    const float peaks = irradiance * (map.mean_of_peaks() / map.mean_radiance());
+    const float found = irradiance - peaks, others = sum_ + peaks;
     environment_ =
-        peaks_ + (sum_ > 0.0f ? found * std::min(kShareOfFound * found / sum_, 1.0f) : found);
-    sum_ += environment_ - peaks_;
+        peaks + (others > 0.0f ? found * std::min(kShareOfFound * found / others, 1.0f) : found);
+    sum_ += environment_;
+    // A sun in a sky is hardly found by other directions; the sky is.
+    may_starve_ = peaks > found;
+    alternatives_ += may_starve_ ? 1 : 0;
   }
   float even_share() const { return alternatives_ > 1 ? kEvenShare : 0.0f; }
   float probability(float importance) const {
@@ -100,7 +101,9 @@ class FirstChoice {
   float sum_ = 0;
   uint32_t alternatives_ = 0;
   float tree_ = 0;
-  float environment_ = 0, peaks_ = 0;  // of a complemented receiver
+  bool complemented_;        // by directions that find the world
+  float environment_ = 0;    // where it is
+  bool may_starve_ = false;  // the world, without even choices
 };
 
 }  // namespace

@@ -124,9 +124,8 @@ EnvironmentMap map_environment(const Scene& scene, int resolution) {
   if (resolution == 0) {
     resolution = std::clamp(width, kLeastResolution, kLargestResolution);
   }
-  // What a world that knows rays apart shows to light sampling is not what other directions find.
-  const bool peaks = !scene.world->traits().path_dependent;
-  return EnvironmentMap(resolution, width > 0 && width <= resolution ? 1 : 2, peaks,
+  return EnvironmentMap(resolution, width > 0 && width <= resolution ? 1 : 2,
+                        !scene.world->traits().path_dependent,
                         [&](Vec3f d) { return environment_radiance(scene, d, 0, PathDepth{}); });
 }
 
@@ -138,6 +137,7 @@ void choose_environment(const Scene& scene, int resolution, LightTable& table) {
   table.environment = traits.emission_constant ? EnvironmentMap(traits.average_emission)
                                                : map_environment(scene, resolution);
   table.has_environment = table.environment.mean_radiance() > 0.0f;
+  table.even_environment = !traits.path_dependent;
 }
 
 // Where the tree's boxes end: Embree, too, drops what lies far beyond.

@@ -8,9 +8,9 @@
 
 namespace vernier {
 
-EnvironmentMap::EnvironmentMap(int resolution, int points, bool peaks,
+EnvironmentMap::EnvironmentMap(int resolution, int points, bool even,
                                const std::function<Color(Vec3f)>& radiance)
-    : uniform_(false) {
+    : uniform_(false), even_(even) {
   const int fine = points * resolution;
   const float share = 1.0f / static_cast<float>(points * points);
   std::vector<float> cells(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
@@ -35,7 +35,7 @@ EnvironmentMap::EnvironmentMap(int resolution, int points, bool peaks,
   }
   mean_ = static_cast<float>(sum / static_cast<double>(cells.size()));
   map_ = PiecewiseConstant2D(cells, resolution, resolution);
-  if (peaks) {
+  if (even_) {
     keep_peaks(cells, resolution);
   }
 }
@@ -50,7 +50,7 @@ void EnvironmentMap::keep_peaks(std::vector<float>& cells, int resolution) {
   constexpr float kLeastPeaks = 1e-5f;
   const auto mean_of_peaks = static_cast<float>(sum / static_cast<double>(cells.size()));
   if (mean_of_peaks > kLeastPeaks * mean_) {
-    mean_of_peaks_ = mean_of_peaks;
+    share_of_peaks_ = mean_of_peaks / mean_;
     peaks_ = PiecewiseConstant2D(cells, resolution, resolution);
   }
 }

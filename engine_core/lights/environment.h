@@ -23,14 +23,17 @@ class EnvironmentMap {
   EnvironmentMap() = default;
   explicit EnvironmentMap(Color radiance) : mean_(average(abs(radiance))) {}
   // `resolution` cells along each side of the octahedral square, each the mean of `points` x
-  // `points` of the radiance. `peaks`: there is a map for complemented receivers.
-  EnvironmentMap(int resolution, int points, bool peaks,
+  // `points` of the radiance. `even`: rays of all kinds see the same.
+  EnvironmentMap(int resolution, int points, bool even,
                  const std::function<Color(Vec3f)>& radiance);
 
   // Mean over all directions of the average of RGB.
   float mean_radiance() const { return mean_; }
-  // The same of what complemented receivers sample.
-  float mean_of_peaks() const { return mean_of_peaks_; }
+  // Whether what is dim is left to the receiver's other directions: only where those find what
+  // light sampling finds.
+  bool leaves_dim_to(const Receiver& from) const { return even_ && from.complemented; }
+  // The part of it that exceeds the mean, which is what is then sampled.
+  float share_of_peaks() const { return share_of_peaks_; }
 
   Vec3f sample(const Receiver& from, Vec2f u, float& pdf) const {
     if (uniform_) {
@@ -57,14 +60,14 @@ class EnvironmentMap {
 
  private:
   const PiecewiseConstant2D& map_for(const Receiver& from) const {
-    return from.complemented && mean_of_peaks_ > 0.0f ? peaks_ : map_;
+    return share_of_peaks_ > 0.0f && leaves_dim_to(from) ? peaks_ : map_;
   }
   void keep_peaks(std::vector<float>& cells, int resolution);  // changes the cells
   static Vec3f sample_map(const PiecewiseConstant2D& map, Vec2f u, float& pdf);
   static float pdf_map(const PiecewiseConstant2D& map, Vec3f wi);
 
-  bool uniform_ = true;
-  float mean_ = 0, mean_of_peaks_ = 0;
+  bool uniform_ = true, even_ = true;
+  float mean_ = 0, share_of_peaks_ = 0;
   PiecewiseConstant2D map_, peaks_;
 };
 

@@ -137,7 +137,6 @@ void choose_environment(const Scene& scene, int resolution, LightTable& table) {
   table.environment = traits.emission_constant ? EnvironmentMap(traits.average_emission)
                                                : map_environment(scene, resolution);
   table.has_environment = table.environment.mean_radiance() > 0.0f;
-  table.even_environment = !traits.path_dependent;
 }
 
 // Where the tree's boxes end: Embree, too, drops what lies far beyond.

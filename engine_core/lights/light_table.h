@@ -27,9 +27,6 @@ struct LightTable {
   std::vector<Lamp> lamps;
   bool has_environment = false;  // the world emits something that can be sampled
   EnvironmentMap environment;
-  // It shows the same to rays of all kinds: what directions from a BSDF find of it is what light
-  // sampling finds, and part of it may be left to them (Receiver::complemented).
-  bool even_environment = false;
   TriangleIndex triangle_index;
 
   LampBvh lamp_bvh;                       // over lamps of finite size and place

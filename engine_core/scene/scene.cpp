@@ -31,8 +31,9 @@ Vec3d cross(const Vec3d& a, const Vec3d& b) {
 }
 
 // The weights of b and c where the ray (of the triangle's own space) is at t. Embree says 0 and 0
-// wherever the triple product that these are ratios of is below 1e-18: on triangles of 1e-6 units
-// in instances that are enlarged by as much, which would have all of their light at one corner.
+// wherever the sum that these are ratios to is below 1e-18 (min_rcp_input in its
+// triangle_intersector_pluecker.h): on triangles of 1e-6 units in instances that are enlarged by as
+// much, which would have all of their light at one corner.
 Vec2f weights_at(Vec3f a, Vec3f b, Vec3f c, Vec3f origin, Vec3f direction, float t) {
   const Vec3d e1 = difference(b, a), e2 = difference(c, a), n = cross(e1, e2);
   Vec3d q = difference(origin, a);

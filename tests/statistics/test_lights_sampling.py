@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -237,14 +238,18 @@ def pictured(kind: str, vector: str) -> Graph:
     )
 
 
-def test_a_world_with_an_image(rng: np.random.Generator) -> None:
-    """A dim sky with a bright spot: its map is followed, and its light adds up."""
+def dim_sky_with_a_bright_spot() -> Any:
     builder = SceneBuilder()
     pixels = np.full((32, 64, 3), 0.1, np.float32)
     pixels[22:24, 40:43] = (90, 60, 30)
     builder.description.images = [Image("sky", pixels, "linear")]
     builder.description.world = World(pictured("ShaderNodeBackground", "Generated"))
-    scene = compiled(builder)
+    return compiled(builder)
+
+
+def test_a_world_with_an_image(rng: np.random.Generator) -> None:
+    """Its map is followed, and its light adds up."""
+    scene = dim_sky_with_a_bright_spot()
     at = receiver((0, 0, 0), (0.2, 0.1, 1.0))
     s = assert_samples_follow_density(scene, at, rng, fine=64)
     value = np.where(s.valid, s.radiance[:, 0] / np.maximum(s.pdf, 1e-30), 0)
@@ -257,12 +262,7 @@ def test_a_world_with_an_image(rng: np.random.Generator) -> None:
 
 def test_the_peaks_of_a_world_with_an_image(rng: np.random.Generator) -> None:
     """Where other directions find the sky as well, light sampling finds the bright spot alone."""
-    builder = SceneBuilder()
-    pixels = np.full((32, 64, 3), 0.1, np.float32)
-    pixels[22:24, 40:43] = (90, 60, 30)
-    builder.description.images = [Image("sky", pixels, "linear")]
-    builder.description.world = World(pictured("ShaderNodeBackground", "Generated"))
-    scene = compiled(builder)
+    scene = dim_sky_with_a_bright_spot()
     at = np.append(receiver((0, 0, 0)), np.float32([[1]]), axis=1)
     s = assert_samples_follow_density(scene, at, rng, fine=64)
     assert (s.radiance[s.valid, 0] > 0.3).mean() > 0.99

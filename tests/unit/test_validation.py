@@ -106,7 +106,7 @@ BROKEN: list[tuple[Callable[[SceneDescription], None], str]] = [
     (_set(f"{MESH}.positions", np.zeros((4, 6), np.float32)[:, ::2]), "must be C-contiguous"),
     (
         _set(f"{MESH}.positions", np.zeros(49, np.uint8)[1:].view(np.float32).reshape(4, 3)),
-        "must begin where its numbers may",
+        "must be aligned to the size of its numbers",
     ),
     (_set(f"{MESH}.positions", None), "must be an array of float32, not NoneType"),
     (

@@ -109,7 +109,7 @@ def _check_array(
     if not array.flags.c_contiguous:
         _fail(name, f"{field} must be C-contiguous")
     if not array.flags.aligned:
-        _fail(name, f"{field} must begin where its numbers may")
+        _fail(name, f"{field} must be aligned to the size of its numbers")
 
 
 def _check_finite(name: str, field: str, array: np.ndarray) -> None:

@@ -1,170 +1,236 @@
 #include "textures/noise.h"
 
 #include <bit>
+#include <cstring>
 
+#include "math/lanes.h"
 #include "textures/hash.h"
 
 namespace vernier {
 namespace {
 
-float fade(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
+// Four points, one to a lane.
+template <int N>
+using Points = std::array<Floats4, N>;
 
-// The value with its sign turned where bit `bit` of the hash is set; no branch, so that the corners
-// of a cell are computed side by side by vector instructions.
-float negate_if(float value, uint32_t hash, int bit) {
-  return std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ (hash >> bit << 31));
+// The corners of a cell of the lattice that differ in the first dimension alone share a vector that
+// is wide enough for both.
+constexpr int kShared = kWideLanes / 4;
+
+Floats4 fade(Floats4 t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
+
+// A bit of the hash moved to the sign.
+WideWords sign_bit(WideWords hash, int bit) { return hash << (31 - bit); }
+// Negative where the bit is set: for select().
+WideInts negative_if(WideWords hash, int bit) {
+  return std::bit_cast<WideInts>(sign_bit(hash, bit));
+}
+WideFloats select(WideInts negative, WideFloats a, WideFloats b) { return negative < 0 ? a : b; }
+// The value with its sign turned where the bit is set.
+WideFloats negate_if(WideFloats value, WideWords hash, int bit) {
+  return std::bit_cast<WideFloats>(std::bit_cast<WideWords>(value) ^
+                                   (sign_bit(hash, bit) & 0x80000000u));
 }
 
 // Dot products of a lattice point's gradient with the offset from it.
-float gradient(uint32_t hash, float x) {
-  return negate_if(static_cast<float>(1 + (hash & 7u)), hash, 3) * x;
+WideFloats gradient(WideWords hash, WideFloats x) {
+  const auto slope = std::bit_cast<WideInts>(1u + (hash & 7u));
+  return negate_if(__builtin_convertvector(slope, WideFloats), hash, 3) * x;
 }
-float gradient(uint32_t hash, float x, float y) {
-  const uint32_t h = hash & 7u;
-  const float u = h < 4 ? x : y;
-  const float v = 2.0f * (h < 4 ? y : x);
-  return negate_if(u, h, 0) + negate_if(v, h, 1);
+WideFloats gradient(WideWords hash, WideFloats x, WideFloats y) {
+  const WideInts h4 = negative_if(hash, 2);
+  const WideFloats u = select(h4, y, x);
+  const WideFloats v = 2.0f * select(h4, x, y);
+  return negate_if(u, hash, 0) + negate_if(v, hash, 1);
 }
-float gradient(uint32_t hash, float x, float y, float z) {
-  const uint32_t h = hash & 15u;
-  const float u = h < 8 ? x : y;
-  const float v = h < 4 ? y : (h == 12 || h == 14 ? x : z);
-  return negate_if(u, h, 0) + negate_if(v, h, 1);
+WideFloats gradient(WideWords hash, WideFloats x, WideFloats y, WideFloats z) {
+  const WideInts h8 = negative_if(hash, 3), h4 = negative_if(hash, 2), h1 = negative_if(hash, 0);
+  const WideFloats u = select(h8, y, x);
+  const WideFloats v = select(h8, select(h4 & ~h1, x, z), select(h4, z, y));
+  return negate_if(u, hash, 0) + negate_if(v, hash, 1);
 }
-float gradient(uint32_t hash, float x, float y, float z, float w) {
-  const uint32_t h = hash & 31u;
-  const float u = h < 24 ? x : y;
-  const float v = h < 16 ? y : z;
-  const float s = h < 8 ? z : w;
-  return negate_if(u, h, 0) + negate_if(v, h, 1) + negate_if(s, h, 2);
+WideFloats gradient(WideWords hash, WideFloats x, WideFloats y, WideFloats z, WideFloats w) {
+  const WideInts h16 = negative_if(hash, 4), h8 = negative_if(hash, 3);
+  const WideFloats u = select(h16 & h8, y, x);
+  const WideFloats v = select(h16, z, y);
+  const WideFloats s = select(h16 | h8, w, z);
+  return negate_if(u, hash, 0) + negate_if(v, hash, 1) + negate_if(s, hash, 2);
 }
 
-// Interpolates 2^N corner values, the first dimension in the lowest bit.
 template <int N>
-float interpolate(std::array<float, 1 << N>& corner, const std::array<float, N>& t) {
-  for (int d = 0; d < N; ++d) {
-    const int half = (1 << N) >> (d + 1);
-    for (int i = 0; i < half; ++i) {
-      const auto even = static_cast<size_t>(2 * i);
-      corner[static_cast<size_t>(i)] =
-          corner[even] + t[static_cast<size_t>(d)] * (corner[even + 1] - corner[even]);
+[[gnu::always_inline]] inline Floats4 perlin(const Points<N>& p) {
+  std::array<std::array<WideWords, 2>, N> cell;     // of the lower and the upper corners
+  std::array<std::array<WideFloats, 2>, N> offset;  // from them
+  Points<N> t;
+  for (size_t d = 0; d < N; ++d) {
+    const Floats4 below = floor(p[d]);
+    const WideInts upper = d == 0 ? kLaneParts : WideInts{};
+    const auto c =
+        std::bit_cast<WideWords>(repeated(__builtin_convertvector(below, Ints4)) + upper);
+    const WideFloats o = repeated(p[d] - below) - __builtin_convertvector(upper, WideFloats);
+    cell[d] = {c, c + 1u};
+    offset[d] = {o, o - 1.0f};
+    t[d] = fade(p[d] - below);
+  }
+  std::array<Floats4, 1 << N> corner;  // the first dimension in the lowest bit
+#pragma GCC unroll 16
+  for (size_t i = 0; i < corner.size(); i += kShared) {
+    const auto c = [&](size_t d) { return cell[d][i >> d & 1u]; };
+    const auto o = [&](size_t d) { return offset[d][i >> d & 1u]; };
+    WideFloats value;
+    if constexpr (N == 1) {
+      value = gradient(hash_words(c(0)), o(0));
+    } else if constexpr (N == 2) {
+      value = gradient(hash_words(c(0), c(1)), o(0), o(1));
+    } else if constexpr (N == 3) {
+      value = gradient(hash_words(c(0), c(1), c(2)), o(0), o(1), o(2));
+    } else {
+      value = gradient(hash_words(c(0), c(1), c(2), c(3)), o(0), o(1), o(2), o(3));
+    }
+    corner[i] = lane_part<0>(value);
+    if constexpr (kShared == 2) {
+      corner[i + 1] = lane_part<1>(value);
+    }
+  }
+  for (size_t d = 0; d < N; ++d) {
+#pragma GCC unroll 8
+    for (size_t i = 0; i < corner.size() >> (d + 1); ++i) {
+      corner[i] = corner[2 * i] + t[d] * (corner[2 * i + 1] - corner[2 * i]);
     }
   }
   return corner[0];
 }
 
+constexpr float kPeriod = 100000.0f;
+
+float wrapped(float x) {
+  // From 1e6 on floats are so sparse that all would be lattice points, where noise is zero.
+  const float correction = std::abs(x) >= 1000000.0f ? 0.5f : 0.0f;
+  return (std::isfinite(x) ? std::fmod(x, kPeriod) : 0.0f) + correction;
+}
+
+// Signed noise in about [-1, 1]. It repeats every kPeriod.
 template <int N>
-float perlin(const std::array<float, N>& p) {
-  std::array<uint32_t, N> cell;
-  std::array<float, N> offset, t;
-  for (size_t d = 0; d < N; ++d) {
-    const float floor = std::floor(p[d]);
-    cell[d] = static_cast<uint32_t>(static_cast<int32_t>(floor));
-    offset[d] = p[d] - floor;
-    t[d] = fade(offset[d]);
+[[gnu::noinline]] Floats4 signed_noise(Points<N> p) {
+  // Scales to about [-1, 1] by dimension, from Open Shading Language.
+  constexpr std::array<float, 4> kScale{0.2500f, 0.6616f, 0.9820f, 0.8344f};
+  Ints4 near_origin = abs(p[0]) < kPeriod;
+  for (size_t d = 1; d < N; ++d) {
+    near_origin &= abs(p[d]) < kPeriod;
   }
-  std::array<float, 1 << N> corner;
-  for (uint32_t i = 0; i < 1u << N; ++i) {
-    const auto c = [&](uint32_t d) { return cell[d] + (i >> d & 1u); };
-    const auto o = [&](uint32_t d) { return offset[d] - static_cast<float>(i >> d & 1u); };
-    if constexpr (N == 1) {
-      corner[i] = gradient(hash_words(c(0)), o(0));
-    } else if constexpr (N == 2) {
-      corner[i] = gradient(hash_words(c(0), c(1)), o(0), o(1));
-    } else if constexpr (N == 3) {
-      corner[i] = gradient(hash_words(c(0), c(1), c(2)), o(0), o(1), o(2));
-    } else {
-      corner[i] = gradient(hash_words(c(0), c(1), c(2), c(3)), o(0), o(1), o(2), o(3));
+  if (!all(near_origin)) {
+    for (Floats4& x : p) {
+      x = Floats4{wrapped(x[0]), wrapped(x[1]), wrapped(x[2]), wrapped(x[3])};
     }
   }
-  return interpolate<N>(corner, t);
+  return kScale[N - 1] * perlin<N>(p);
 }
 
+// As many as detail's range asks for: a multiple of the lanes.
+constexpr size_t kMaxOctaves = 16;
+using Octaves = std::array<float, kMaxOctaves>;
+
+// x and three times the product of what precedes with `ratio`.
+Floats4 progression(float x, float ratio) {
+  const float second = x * ratio, third = second * ratio;
+  return Floats4{x, second, third, third * ratio};
+}
+
+// Signed noise at `p` and where the lacunarity takes it: at least `count` octaves.
 template <int N>
-std::array<float, N> scaled(std::array<float, N> p, float s) {
-  for (float& x : p) {
-    x *= s;
+Octaves octave_noise(std::array<float, N> p, const FractalParams& params, uint32_t count) {
+  Octaves octaves;
+  float first = 1.0f;
+  for (uint32_t i = 0; i < count; i += 4) {
+    const Floats4 scale = progression(first, params.lacunarity);
+    first = scale[3] * params.lacunarity;
+    Points<N> points;
+    for (size_t d = 0; d < N; ++d) {
+      // Rounded as in Cycles.
+      if (params.kind == NoiseKind::kFbm) {
+        points[d] = p[d] * scale;
+      } else {
+        points[d] = progression(p[d], params.lacunarity);
+        p[d] = points[d][3] * params.lacunarity;
+      }
+    }
+    const Floats4 noise = signed_noise<N>(points);
+    std::memcpy(&octaves[i], &noise, sizeof noise);
   }
-  return p;
+  return octaves;
 }
 
-template <int N>
-float fbm(const std::array<float, N>& p, const FractalParams& f) {
-  float scale = 1.0f, amplitude = 1.0f, largest = 0.0f, sum = 0.0f;
-  const auto octaves = static_cast<int>(f.detail);
-  for (int i = 0; i <= octaves; ++i) {
-    sum += signed_noise<N>(scaled<N>(p, scale)) * amplitude;
+float fbm(const Octaves& noise, const FractalParams& f) {
+  float amplitude = 1.0f, largest = 0.0f, sum = 0.0f;
+  const auto octaves = static_cast<uint32_t>(f.detail) + 1;
+  for (uint32_t i = 0; i < octaves; ++i) {
+    sum += noise[i] * amplitude;
     largest += amplitude;
     amplitude *= f.roughness;
-    scale *= f.lacunarity;
   }
   const auto value = [&f](float s, float m) { return f.normalize ? 0.5f * s / m + 0.5f : s; };
   const float fraction = f.detail - std::floor(f.detail);
   if (fraction == 0.0f) {
     return value(sum, largest);
   }
-  const float next = sum + signed_noise<N>(scaled<N>(p, scale)) * amplitude;
+  const float next = sum + noise[octaves] * amplitude;
   const float a = value(sum, largest);
   return a + fraction * (value(next, largest + amplitude) - a);
 }
 
-template <int N>
-float multifractal(std::array<float, N> p, const FractalParams& f) {
+float multifractal(const Octaves& noise, const FractalParams& f) {
   float value = 1.0f, power = 1.0f;
-  for (int i = 0; i <= static_cast<int>(f.detail); ++i) {
-    value *= power * signed_noise<N>(p) + 1.0f;
+  const auto octaves = static_cast<uint32_t>(f.detail) + 1;
+  for (uint32_t i = 0; i < octaves; ++i) {
+    value *= power * noise[i] + 1.0f;
     power *= f.roughness;
-    p = scaled<N>(p, f.lacunarity);
   }
   const float fraction = f.detail - std::floor(f.detail);
-  return fraction == 0.0f ? value : value * (fraction * power * signed_noise<N>(p) + 1.0f);
+  return fraction == 0.0f ? value : value * (fraction * power * noise[octaves] + 1.0f);
 }
 
-template <int N>
-float hetero_terrain(std::array<float, N> p, const FractalParams& f) {
+float hetero_terrain(const Octaves& noise, const FractalParams& f) {
   float power = f.roughness;
-  float value = f.offset + signed_noise<N>(p);
-  p = scaled<N>(p, f.lacunarity);
-  for (int i = 1; i <= static_cast<int>(f.detail); ++i) {
-    value += (signed_noise<N>(p) + f.offset) * power * value;
+  float value = f.offset + noise[0];
+  const auto octaves = static_cast<uint32_t>(f.detail) + 1;
+  for (uint32_t i = 1; i < octaves; ++i) {
+    value += (noise[i] + f.offset) * power * value;
     power *= f.roughness;
-    p = scaled<N>(p, f.lacunarity);
   }
   const float fraction = f.detail - std::floor(f.detail);
   if (fraction != 0.0f) {
-    value += fraction * (signed_noise<N>(p) + f.offset) * power * value;
+    value += fraction * (noise[octaves] + f.offset) * power * value;
   }
   return value;
 }
 
-template <int N>
-float hybrid_multifractal(std::array<float, N> p, const FractalParams& f) {
+float hybrid_multifractal(const Octaves& noise, const FractalParams& f) {
   constexpr float kNegligible = 0.001f;  // weight below which Cycles stops
   float power = 1.0f, value = 0.0f, weight = 1.0f;
-  for (int i = 0; weight > kNegligible && i <= static_cast<int>(f.detail); ++i) {
+  const auto octaves = static_cast<uint32_t>(f.detail) + 1;
+  uint32_t i = 0;
+  for (; weight > kNegligible && i < octaves; ++i) {
     weight = std::min(weight, 1.0f);
-    const float signal = (signed_noise<N>(p) + f.offset) * power;
+    const float signal = (noise[i] + f.offset) * power;
     power *= f.roughness;
     value += weight * signal;
     weight *= f.gain * signal;
-    p = scaled<N>(p, f.lacunarity);
   }
   const float fraction = f.detail - std::floor(f.detail);
   if (fraction != 0.0f && weight > kNegligible) {
-    value += fraction * std::min(weight, 1.0f) * (signed_noise<N>(p) + f.offset) * power;
+    value += fraction * std::min(weight, 1.0f) * (noise[i] + f.offset) * power;
   }
   return value;
 }
 
-template <int N>
-float ridged_multifractal(std::array<float, N> p, const FractalParams& f) {
+float ridged_multifractal(const Octaves& noise, const FractalParams& f) {
   float power = f.roughness;
-  float signal = square(f.offset - std::abs(signed_noise<N>(p)));
+  float signal = square(f.offset - std::abs(noise[0]));
   float value = signal;
-  for (int i = 1; i <= static_cast<int>(f.detail); ++i) {
-    p = scaled<N>(p, f.lacunarity);
+  const auto octaves = static_cast<uint32_t>(f.detail) + 1;
+  for (uint32_t i = 1; i < octaves; ++i) {
     const float weight = saturate(signal * f.gain);
-    signal = square(f.offset - std::abs(signed_noise<N>(p))) * weight;
+    signal = square(f.offset - std::abs(noise[i])) * weight;
     value += signal * power;
     power *= f.roughness;
   }
@@ -196,11 +262,16 @@ std::array<float, N> seeded(std::array<float, N> p, size_t seed) {
 template <int N>
 Vec3f evaluate(std::array<float, N> p, const FractalParams& params, float distortion, bool color) {
   if (distortion != 0.0f) {
-    std::array<float, N> moved = p;
+    Points<N> points{};
     for (size_t d = 0; d < N; ++d) {
-      moved[d] += signed_noise<N>(seeded<N>(p, d)) * distortion;
+      for (size_t axis = 0; axis < N; ++axis) {
+        points[d][axis] = p[d] + kSeedOffsets<N>[axis][d];
+      }
     }
-    p = moved;
+    const Floats4 noise = signed_noise<N>(points);
+    for (size_t d = 0; d < N; ++d) {
+      p[d] += noise[d] * distortion;
+    }
   }
   Vec3f value{fractal_noise<N>(p, params), 0.0f, 0.0f};
   if (color) {
@@ -213,43 +284,27 @@ Vec3f evaluate(std::array<float, N> p, const FractalParams& params, float distor
 }  // namespace
 
 template <int N>
-float signed_noise(const std::array<float, N>& p) {
-  constexpr float kPeriod = 100000.0f;
-  // Scales to about [-1, 1] by dimension, from Open Shading Language.
-  constexpr std::array<float, 4> kScale{0.2500f, 0.6616f, 0.9820f, 0.8344f};
-  const auto near_origin = [](float x) { return std::abs(x) < kPeriod; };
-  if (std::all_of(p.begin(), p.end(), near_origin)) {
-    return kScale[N - 1] * perlin<N>(p);
-  }
-  std::array<float, N> q;
-  for (size_t d = 0; d < N; ++d) {
-    // From 1e6 on floats are so sparse that all would be lattice points, where noise is zero.
-    const float correction = std::abs(p[d]) >= 1000000.0f ? 0.5f : 0.0f;
-    q[d] = (std::isfinite(p[d]) ? std::fmod(p[d], kPeriod) : 0.0f) + correction;
-  }
-  return kScale[N - 1] * perlin<N>(q);
-}
-
-template <int N>
-float fractal_noise(std::array<float, N> p, const FractalParams& params) {
+float fractal_noise(const std::array<float, N>& p, const FractalParams& params) {
+  const auto count = static_cast<uint32_t>(std::ceil(params.detail)) + 1;
+  const Octaves noise = octave_noise<N>(p, params, count);
   switch (params.kind) {
     case NoiseKind::kFbm:
-      return fbm<N>(p, params);
+      return fbm(noise, params);
     case NoiseKind::kMultifractal:
-      return multifractal<N>(p, params);
+      return multifractal(noise, params);
     case NoiseKind::kRidgedMultifractal:
-      return ridged_multifractal<N>(p, params);
+      return ridged_multifractal(noise, params);
     case NoiseKind::kHybridMultifractal:
-      return hybrid_multifractal<N>(p, params);
+      return hybrid_multifractal(noise, params);
     case NoiseKind::kHeteroTerrain:
-      return hetero_terrain<N>(p, params);
+      return hetero_terrain(noise, params);
   }
   return 0.0f;
 }
 
-template float fractal_noise<3>(std::array<float, 3> p, const FractalParams& params);
+template float fractal_noise<3>(const std::array<float, 3>& p, const FractalParams& params);
 
-Vec3f noise_texture(int dimensions, Vec4f p, const FractalParams& params, float distortion,
+Vec3f noise_texture(int dimensions, const Vec4f& p, const FractalParams& params, float distortion,
                     bool color) {
   switch (dimensions) {
     case 1:

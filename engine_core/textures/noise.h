@@ -9,10 +9,6 @@
 
 namespace vernier {
 
-// Signed noise in about [-1, 1], in N dimensions. It repeats every 100000 units.
-template <int N>
-float signed_noise(const std::array<float, N>& p);
-
 // The default comes first; the node's table has the same order.
 enum class NoiseKind : uint8_t {
   kFbm,
@@ -33,11 +29,11 @@ struct FractalParams {
 };
 
 template <int N>
-float fractal_noise(std::array<float, N> p, const FractalParams& params);
+float fractal_noise(const std::array<float, N>& p, const FractalParams& params);
 
 // The Noise Texture node: x is its Fac and red; with `color` y and z are the other channels.
 // `p` is scaled already; one dimension reads w, two read x and y.
-Vec3f noise_texture(int dimensions, Vec4f p, const FractalParams& params, float distortion,
+Vec3f noise_texture(int dimensions, const Vec4f& p, const FractalParams& params, float distortion,
                     bool color);
 
 }  // namespace vernier

@@ -75,6 +75,11 @@ class ProgramBuilder {
     size_t operator()(const std::vector<uint32_t>& key) const;
   };
 
+  std::span<const uint32_t> operands_of(uint32_t id) const;
+  bool reads(uint32_t reader, uint32_t id) const;
+  bool are_one_noise(uint32_t a, uint32_t b) const;
+  std::vector<uint32_t> ordered(std::span<const Value> roots) const;
+
   ProgramData data_;
   std::vector<Definition> definitions_;
   std::vector<uint32_t> operand_ids_;

@@ -40,6 +40,12 @@ Vec4f execute_matrix(const float* rows, Vec3f p) {
   return to_register(t.point(p));
 }
 
+Vec4f execute_one_noise(uint8_t variant, const Arguments& a) {
+  Vec4f result;
+  execute_noise(variant, {&a, 1}, &result);
+  return result;
+}
+
 float light_falloff(uint8_t power, const SurfacePoint& point, float strength, float smooth) {
   const float length = point.ray_length;
   if (!(length < kInfinity)) {
@@ -175,7 +181,7 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
     case Op::kEnvironment:
       return environment_texture(image(), ImageUse::unpack(in.variant), a.vector(0));
     case Op::kNoise:
-      return execute_noise(in.variant, a);
+      return execute_one_noise(in.variant, a);
     case Op::kChecker:
       return execute_checker(a);
     case Op::kGradient:
@@ -226,13 +232,26 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
 namespace {
 
 // `points` by EvaluationPoint.
-void run_at(const std::array<const SurfacePoint*, 3>& points, float step, const Program& program,
+void run_at(const std::array<const SurfacePoint*, kEvaluationPoints>& points, float step, const Program& program,
             const ProgramData& data, Vec4f* registers) {
-  const Operand* const operands = program.operands.data();
-  for (const Instruction& instruction : program.code) {
-    const Arguments arguments(registers, program.constants.data(), operands + instruction.operands);
-    registers[instruction.result] = execute(instruction, arguments, data,
-                                            *points[static_cast<size_t>(instruction.point)], step);
+  const auto arguments = [&](const Instruction& in) {
+    return Arguments(registers, program.constants.data(), program.operands.data() + in.operands);
+  };
+  const Instruction* const end = program.code.data() + program.code.size();
+  for (const Instruction* in = program.code.data(); in != end; ++in) {
+    if (in->op == Op::kNoise && in->data != 0) {
+      const std::array<Arguments, kEvaluationPoints> a{arguments(in[0]), arguments(in[1]),
+                                                     arguments(in[2])};
+      std::array<Vec4f, kEvaluationPoints> results;
+      execute_noise(in->variant, a, results.data());
+      registers[in[0].result] = results[0];
+      registers[in[1].result] = results[1];
+      registers[in[2].result] = results[2];
+      in += kEvaluationPoints - 1;
+    } else {
+      registers[in->result] =
+          execute(*in, arguments(*in), data, *points[static_cast<size_t>(in->point)], step);
+    }
   }
 }
 

@@ -55,7 +55,7 @@ enum class Op : uint8_t {
   kImage,
   kImageBox,
   kEnvironment,
-  kNoise,
+  kNoise,  // data: 1 if the next two are the same noise elsewhere, to be evaluated together
   kChecker,
   kGradient,
   kBrick,
@@ -81,6 +81,7 @@ enum class Op : uint8_t {
 // The point an instruction is evaluated at: the surface point, or one of the two neighbours that
 // bump mapping takes differences with.
 enum class EvaluationPoint : uint8_t { kMain, kShiftedX, kShiftedY };
+inline constexpr size_t kEvaluationPoints = 3;
 
 // A register, or with the top bit set a constant of the program.
 using Operand = uint32_t;

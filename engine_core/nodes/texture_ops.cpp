@@ -1,5 +1,8 @@
 #include "nodes/texture_ops.h"
 
+#include <algorithm>
+#include <array>
+
 #include "textures/noise.h"
 #include "textures/patterns.h"
 #include "textures/voronoi.h"
@@ -16,7 +19,8 @@ Vec4f scaled_coordinate(const Arguments& a) {
 
 }  // namespace
 
-Vec4f execute_noise(uint8_t variant, const Arguments& a) {
+void execute_noise(uint8_t variant, std::span<const Arguments> points, Vec4f* results) {
+  const Arguments& a = points.front();
   FractalParams params;
   params.kind = static_cast<NoiseKind>(variant >> 2 & 7u);
   params.normalize = (variant & 32u) != 0;
@@ -25,10 +29,16 @@ Vec4f execute_noise(uint8_t variant, const Arguments& a) {
   params.lacunarity = a.scalar(5);
   params.offset = a.scalar(6);
   params.gain = a.scalar(7);
+  const float distortion = a.scalar(8);
   const bool color = (variant & 64u) != 0;
-  const Vec3f value =
-      noise_texture((variant & 3) + 1, scaled_coordinate(a), params, a.scalar(8), color);
-  return color ? to_register(value) : to_register(value.x);
+  std::array<Vec4f, kEvaluationPoints> p;
+  std::array<Vec3f, kEvaluationPoints> values;
+  std::transform(points.begin(), points.end(), p.begin(), scaled_coordinate);
+  noise_texture((variant & 3) + 1, {p.data(), points.size()}, params, distortion, color,
+                values.data());
+  for (size_t i = 0; i < points.size(); ++i) {
+    results[i] = color ? to_register(values[i]) : to_register(values[i].x);
+  }
 }
 
 // Operands: vector, colours 1 and 2, scale. w keeps Fac.

@@ -304,17 +304,23 @@ float fractal_noise(const std::array<float, N>& p, const FractalParams& params) 
 
 template float fractal_noise<3>(const std::array<float, 3>& p, const FractalParams& params);
 
-Vec3f noise_texture(int dimensions, const Vec4f& p, const FractalParams& params, float distortion,
-                    bool color) {
+void noise_texture(int dimensions, std::span<const Vec4f> points, const FractalParams& params,
+                   float distortion, bool color, Vec3f* values) {
+  const auto each = [&]<int N>(const auto& coordinates) {
+    for (const Vec4f& p : points) {
+      *values++ = evaluate<N>(coordinates(p), params, distortion, color);
+    }
+  };
+  using std::array;
   switch (dimensions) {
     case 1:
-      return evaluate<1>({p.w}, params, distortion, color);
+      return each.operator()<1>([](const Vec4f& p) { return array{p.w}; });
     case 2:
-      return evaluate<2>({p.x, p.y}, params, distortion, color);
+      return each.operator()<2>([](const Vec4f& p) { return array{p.x, p.y}; });
     case 3:
-      return evaluate<3>({p.x, p.y, p.z}, params, distortion, color);
+      return each.operator()<3>([](const Vec4f& p) { return array{p.x, p.y, p.z}; });
     default:
-      return evaluate<4>({p.x, p.y, p.z, p.w}, params, distortion, color);
+      return each.operator()<4>([](const Vec4f& p) { return array{p.x, p.y, p.z, p.w}; });
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "math/vec.h"
 
@@ -31,9 +32,9 @@ struct FractalParams {
 template <int N>
 float fractal_noise(const std::array<float, N>& p, const FractalParams& params);
 
-// The Noise Texture node: x is its Fac and red; with `color` y and z are the other channels.
-// `p` is scaled already; one dimension reads w, two read x and y.
-Vec3f noise_texture(int dimensions, const Vec4f& p, const FractalParams& params, float distortion,
-                    bool color);
+// The Noise Texture node at several points: x of a value is its Fac and red; with `color` y and z
+// are the other channels. The points are scaled already; one dimension reads w, two read x and y.
+void noise_texture(int dimensions, std::span<const Vec4f> points, const FractalParams& params,
+                   float distortion, bool color, Vec3f* values);
 
 }  // namespace vernier

@@ -205,7 +205,8 @@ float Camera::footprint(Vec3f p) const {
   }
   const float cosine = std::max(dot(d, axis()) / distance, least_cosine_);
   const float slope = pixel_radius_ * cosine * std::sqrt(cosine);
-  return distance * (slope / std::hypot(1.0f, slope));
+  const auto hypotenuse = static_cast<float>(std::sqrt(1.0 + square(static_cast<double>(slope))));
+  return distance * (slope / hypotenuse);
 }
 
 }  // namespace vernier

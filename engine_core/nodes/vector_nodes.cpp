@@ -1,4 +1,5 @@
 // Nodes on vectors: table and lowering.
+#include "math/transform.h"
 #include "nodes/node_tables.h"
 #include "nodes/point_ops.h"
 #include "nodes/vector_ops.h"
@@ -9,7 +10,7 @@ namespace {
 constexpr SocketType kFloat = SocketType::kFloat;
 constexpr SocketType kVector = SocketType::kVector;
 
-// A mapping whose sockets are constant is a matrix, but for normals, which become unit.
+// A mapping whose sockets are constant is a matrix, or nothing; but for normals, which become unit.
 void lower_mapping(NodeLowering& node) {
   const auto kind = node.param_enum<MappingKind>("vector_type");
   const Value vector = node.input("Vector"), location = node.input("Location"),
@@ -29,6 +30,10 @@ void lower_mapping(NodeLowering& node) {
   std::array<float, 12> rows;
   for (size_t i = 0; i < rows.size(); ++i) {
     rows[i] = columns[i % 4][static_cast<int>(i / 4)];
+  }
+  if (rows == Transform{}.m) {
+    node.set("Vector", vector);
+    return;
   }
   node.set("Vector", node.emit(Op::kMatrix, 0, kVector, {vector}, builder.add_floats(rows)));
 }

@@ -19,17 +19,14 @@ constexpr int kShared = kWideLanes / 4;
 
 Floats4 fade(Floats4 t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
 
-// A bit of the hash moved to the sign.
-WideWords sign_bit(WideWords hash, int bit) { return hash << (31 - bit); }
-// Negative where the bit is set: for select().
+// Negative where the bit of the hash is set: for select().
 WideInts negative_if(WideWords hash, int bit) {
-  return std::bit_cast<WideInts>(sign_bit(hash, bit));
+  return std::bit_cast<WideInts>(hash << (31 - bit));
 }
 WideFloats select(WideInts negative, WideFloats a, WideFloats b) { return negative < 0 ? a : b; }
 // The value with its sign turned where the bit is set.
 WideFloats negate_if(WideFloats value, WideWords hash, int bit) {
-  return std::bit_cast<WideFloats>(std::bit_cast<WideWords>(value) ^
-                                   (sign_bit(hash, bit) & 0x80000000u));
+  return std::bit_cast<WideFloats>(std::bit_cast<WideWords>(value) ^ hash >> bit << 31);
 }
 
 // Dot products of a lattice point's gradient with the offset from it.
@@ -262,11 +259,10 @@ std::array<float, N> seeded(std::array<float, N> p, size_t seed) {
 template <int N>
 Vec3f evaluate(std::array<float, N> p, const FractalParams& params, float distortion, bool color) {
   if (distortion != 0.0f) {
-    Points<N> points{};
+    Points<N> points;  // one for each axis
     for (size_t d = 0; d < N; ++d) {
-      for (size_t axis = 0; axis < N; ++axis) {
-        points[d][axis] = p[d] + kSeedOffsets<N>[axis][d];
-      }
+      const auto seed = [d](size_t axis) { return axis < N ? kSeedOffsets<N>[axis][d] : 0.0f; };
+      points[d] = p[d] + Floats4{seed(0), seed(1), seed(2), seed(3)};
     }
     const Floats4 noise = signed_noise<N>(points);
     for (size_t d = 0; d < N; ++d) {

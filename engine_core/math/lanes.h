@@ -35,9 +35,7 @@ inline constexpr WideInts kLaneParts = {0, 0, 0, 0, 1, 1, 1, 1};
 inline WideFloats repeated(Floats4 v) {
   return __builtin_shufflevector(v, v, 0, 1, 2, 3, 0, 1, 2, 3);
 }
-inline WideInts repeated(Ints4 v) {
-  return __builtin_shufflevector(v, v, 0, 1, 2, 3, 0, 1, 2, 3);
-}
+inline WideInts repeated(Ints4 v) { return __builtin_shufflevector(v, v, 0, 1, 2, 3, 0, 1, 2, 3); }
 template <int kPart>
 Floats4 lane_part(WideFloats v) {
   constexpr int kFirst = 4 * kPart;
@@ -61,8 +59,12 @@ inline Floats4 abs(Floats4 v) {
 }
 // Whether a comparison holds in all lanes.
 inline bool all(Ints4 mask) {
-  const auto halves = std::bit_cast<Lanes<int64_t, 2>>(mask);
+#ifdef __SSE__
+  return __builtin_ia32_movmskps(std::bit_cast<Floats4>(mask)) == 15;
+#else
+  const auto halves = std::bit_cast<Lanes<int64_t, 2> >(mask);
   return (halves[0] & halves[1]) == -1;
+#endif
 }
 
 }  // namespace vernier

@@ -232,8 +232,8 @@ Vec4f execute(const Instruction& in, const Arguments& a, const ProgramData& data
 namespace {
 
 // `points` by EvaluationPoint.
-void run_at(const std::array<const SurfacePoint*, kEvaluationPoints>& points, float step, const Program& program,
-            const ProgramData& data, Vec4f* registers) {
+void run_at(const std::array<const SurfacePoint*, kEvaluationPoints>& points, float step,
+            const Program& program, const ProgramData& data, Vec4f* registers) {
   const auto arguments = [&](const Instruction& in) {
     return Arguments(registers, program.constants.data(), program.operands.data() + in.operands);
   };
@@ -241,7 +241,7 @@ void run_at(const std::array<const SurfacePoint*, kEvaluationPoints>& points, fl
   for (const Instruction* in = program.code.data(); in != end; ++in) {
     if (in->op == Op::kNoise && in->data != 0) {
       const std::array<Arguments, kEvaluationPoints> a{arguments(in[0]), arguments(in[1]),
-                                                     arguments(in[2])};
+                                                       arguments(in[2])};
       std::array<Vec4f, kEvaluationPoints> results;
       execute_noise(in->variant, a, results.data());
       registers[in[0].result] = results[0];

@@ -26,7 +26,8 @@ struct TableHeader {
 // Variants. Noise: dimensions - 1, kind << 2, normalize << 5, colour << 6.
 // White noise: dimensions - 1, colour << 2.
 
-// One noise at several points (at most kEvaluationPoints), whose arguments differ in vector and W alone.
+// One noise at several points (at most kEvaluationPoints), whose arguments differ in vector and W
+// alone.
 void execute_noise(uint8_t variant, std::span<const Arguments> points, Vec4f* results);
 Vec4f execute_checker(const Arguments& arguments);
 Vec4f execute_gradient(uint8_t variant, const Arguments& arguments);

@@ -1,5 +1,6 @@
 #include "textures/noise.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -55,7 +56,7 @@ WideFloats gradient(WideWords hash, WideFloats x, WideFloats y, WideFloats z, Wi
 }
 
 template <int N>
-[[gnu::always_inline]] inline Floats4 perlin(const Points<N>& p) {
+[[gnu::noinline]] Floats4 perlin(const Points<N>& p) {
   std::array<std::array<WideWords, 2>, N> cell;     // of the lower and the upper corners
   std::array<std::array<WideFloats, 2>, N> offset;  // from them
   Points<N> t;
@@ -100,15 +101,19 @@ template <int N>
 
 constexpr float kPeriod = 100000.0f;
 
-float wrapped(float x) {
-  // From 1e6 on floats are so sparse that all would be lattice points, where noise is zero.
-  const float correction = std::abs(x) >= 1000000.0f ? 0.5f : 0.0f;
-  return (std::isfinite(x) ? std::fmod(x, kPeriod) : 0.0f) + correction;
+[[gnu::noinline]] Floats4 wrapped(Floats4 v) {
+  for (int lane = 0; lane < 4; ++lane) {
+    const float x = v[lane];
+    // From 1e6 on floats are so sparse that all would be lattice points, where noise is zero.
+    const float correction = std::abs(x) >= 1000000.0f ? 0.5f : 0.0f;
+    v[lane] = (std::isfinite(x) ? std::fmod(x, kPeriod) : 0.0f) + correction;
+  }
+  return v;
 }
 
 // Signed noise in about [-1, 1]. It repeats every kPeriod.
 template <int N>
-[[gnu::noinline]] Floats4 signed_noise(Points<N> p) {
+Floats4 signed_noise(Points<N> p) {
   // Scales to about [-1, 1] by dimension, from Open Shading Language.
   constexpr std::array<float, 4> kScale{0.2500f, 0.6616f, 0.9820f, 0.8344f};
   Ints4 near_origin = abs(p[0]) < kPeriod;
@@ -116,9 +121,7 @@ template <int N>
     near_origin &= abs(p[d]) < kPeriod;
   }
   if (!all(near_origin)) {
-    for (Floats4& x : p) {
-      x = Floats4{wrapped(x[0]), wrapped(x[1]), wrapped(x[2]), wrapped(x[3])};
-    }
+    std::transform(p.begin(), p.end(), p.begin(), wrapped);
   }
   return kScale[N - 1] * perlin<N>(p);
 }

@@ -1,6 +1,7 @@
 #include "textures/image.h"
 
 #include <array>
+#include <bit>
 #include <cstring>
 #include <stdexcept>
 
@@ -114,7 +115,7 @@ ImageTexture::ImageTexture(const ImageDesc& desc)
 }
 
 // A pixel as stored, in [0, 1] for bytes. x and y are inside.
-Vec4f ImageTexture::encoded(int x, int y) const {
+inline Floats4 ImageTexture::encoded(int x, int y) const {
   const size_t i = (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)) *
                    static_cast<size_t>(channels_);
   const float opaque = 1.0f;
@@ -123,20 +124,20 @@ Vec4f ImageTexture::encoded(int x, int y) const {
     const uint8_t* p = bytes_.data() + i;
     const float r = static_cast<float>(p[0]) * kScale;
     if (channels_ == 1) {
-      return {r, r, r, opaque};
+      return Floats4{r, r, r, opaque};
     }
-    return {r, static_cast<float>(p[1]) * kScale, static_cast<float>(p[2]) * kScale,
-            has_alpha() ? static_cast<float>(p[3]) * kScale : opaque};
+    return Floats4{r, static_cast<float>(p[1]) * kScale, static_cast<float>(p[2]) * kScale,
+                   has_alpha() ? static_cast<float>(p[3]) * kScale : opaque};
   }
   const float* p = floats_.data() + i;
   if (channels_ == 1) {
-    return {p[0], p[0], p[0], opaque};
+    return Floats4{p[0], p[0], p[0], opaque};
   }
-  return {p[0], p[1], p[2], has_alpha() ? p[3] : opaque};
+  return Floats4{p[0], p[1], p[2], has_alpha() ? p[3] : opaque};
 }
 
-Vec4f ImageTexture::encoded_or_clear(int x, int y) const {
-  return x < 0 || x >= width_ || y < 0 || y >= height_ ? Vec4f{} : encoded(x, y);
+inline Floats4 ImageTexture::encoded_or_clear(int x, int y) const {
+  return x < 0 || x >= width_ || y < 0 || y >= height_ ? Floats4{} : encoded(x, y);
 }
 
 Vec4f ImageTexture::decoded(Vec4f c) const {
@@ -147,26 +148,26 @@ Vec4f ImageTexture::decoded(Vec4f c) const {
 }
 
 Vec4f ImageTexture::texel(int x, int y) const {
-  return missing() ? kMissing : decoded(encoded(x, y));
+  return missing() ? kMissing : decoded(std::bit_cast<Vec4f>(encoded(x, y)));
 }
 
-Vec4f ImageTexture::interpolate_linear(float x, float y, Extension extension) const {
+Floats4 ImageTexture::interpolate_linear(float x, float y, Extension extension) const {
   const PixelCoordinate px(x - 0.5f), py(y - 0.5f);
   const float tx = px.fraction, ty = py.fraction;
   const int x0 = wrap(px.index, width_, extension), x1 = wrap(px.index + 1, width_, extension);
   const int y0 = wrap(py.index, height_, extension), y1 = wrap(py.index + 1, height_, extension);
-  const Vec4f lower = encoded_or_clear(x0, y0) * (1.0f - tx) + encoded_or_clear(x1, y0) * tx;
-  const Vec4f upper = encoded_or_clear(x0, y1) * (1.0f - tx) + encoded_or_clear(x1, y1) * tx;
+  const Floats4 lower = encoded_or_clear(x0, y0) * (1.0f - tx) + encoded_or_clear(x1, y0) * tx;
+  const Floats4 upper = encoded_or_clear(x0, y1) * (1.0f - tx) + encoded_or_clear(x1, y1) * tx;
   return lower * (1.0f - ty) + upper * ty;
 }
 
-Vec4f ImageTexture::interpolate_cubic(float x, float y, Extension extension) const {
+Floats4 ImageTexture::interpolate_cubic(float x, float y, Extension extension) const {
   const PixelCoordinate px(x - 0.5f), py(y - 0.5f);
   const std::array<float, 4> wx = spline_weights(px.fraction);
   const std::array<float, 4> wy = spline_weights(py.fraction);
-  Vec4f sum;
+  Floats4 sum{};
   for (int j = 0; j < 4; ++j) {
-    Vec4f row;
+    Floats4 row{};
     for (int i = 0; i < 4; ++i) {
       row = row + encoded_or_clear(wrap(px.index + i - 1, width_, extension),
                                    wrap(py.index + j - 1, height_, extension)) *
@@ -184,18 +185,19 @@ Vec4f ImageTexture::sample(float u, float v, Interpolation interpolation, Extens
   }
   const float x = finite_or_zero(u * static_cast<float>(width_));
   const float y = finite_or_zero(v * static_cast<float>(height_));
-  Vec4f c;
+  Floats4 pixel{};
   switch (interpolation) {
     case Interpolation::kLinear:
-      c = interpolate_linear(x, y, extension);
+      pixel = interpolate_linear(x, y, extension);
       break;
     case Interpolation::kCubic:
-      c = interpolate_cubic(x, y, extension);
+      pixel = interpolate_cubic(x, y, extension);
       break;
     case Interpolation::kClosest:
-      c = encoded_or_clear(wrap(PixelCoordinate(x).index, width_, extension),
-                           wrap(PixelCoordinate(y).index, height_, extension));
+      pixel = encoded_or_clear(wrap(PixelCoordinate(x).index, width_, extension),
+                               wrap(PixelCoordinate(y).index, height_, extension));
   }
+  auto c = std::bit_cast<Vec4f>(pixel);
   if (straight && c.w != 0.0f && c.w != 1.0f) {
     const float inverse = 1.0f / c.w;
     c = {c.x * inverse, c.y * inverse, c.z * inverse, c.w};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "math/lanes.h"
 #include "math/vec.h"
 #include "scene/description.h"
 
@@ -44,10 +45,10 @@ class ImageTexture {
   size_t size_bytes() const { return bytes_.size() + floats_.size() * sizeof(float); }
 
  private:
-  Vec4f encoded(int x, int y) const;
-  Vec4f encoded_or_clear(int x, int y) const;
-  Vec4f interpolate_linear(float x, float y, Extension extension) const;
-  Vec4f interpolate_cubic(float x, float y, Extension extension) const;
+  Floats4 encoded(int x, int y) const;
+  Floats4 encoded_or_clear(int x, int y) const;
+  Floats4 interpolate_linear(float x, float y, Extension extension) const;
+  Floats4 interpolate_cubic(float x, float y, Extension extension) const;
   Vec4f decoded(Vec4f color) const;
   std::string name_;
   int width_ = 0, height_ = 0, channels_ = 0;

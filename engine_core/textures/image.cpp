@@ -156,9 +156,10 @@ Floats4 ImageTexture::interpolate_linear(float x, float y, Extension extension) 
   const float tx = px.fraction, ty = py.fraction;
   const int x0 = wrap(px.index, width_, extension), x1 = wrap(px.index + 1, width_, extension);
   const int y0 = wrap(py.index, height_, extension), y1 = wrap(py.index + 1, height_, extension);
-  const Floats4 lower = encoded_or_clear(x0, y0) * (1.0f - tx) + encoded_or_clear(x1, y0) * tx;
-  const Floats4 upper = encoded_or_clear(x0, y1) * (1.0f - tx) + encoded_or_clear(x1, y1) * tx;
-  return lower * (1.0f - ty) + upper * ty;
+  const Floats4 p00 = encoded_or_clear(x0, y0), p10 = encoded_or_clear(x1, y0);
+  const Floats4 p01 = encoded_or_clear(x0, y1), p11 = encoded_or_clear(x1, y1);
+  const Floats4 lower = p00 * (1.0f - tx) + p10 * tx, upper = p01 * (1.0f - tx) + p11 * tx;
+  return upper * ty + lower * (1.0f - ty);
 }
 
 Floats4 ImageTexture::interpolate_cubic(float x, float y, Extension extension) const {

@@ -241,6 +241,69 @@ def test_equal_subexpressions_are_computed_once() -> None:
     assert both == single + 1
 
 
+def noises(vectors: list[int], gains: list[float], dimensions: str) -> list[Node]:
+    """Noises of what the nodes of these indices give, and their sum weighted by powers of two.
+
+    Nodes 0 to 2 are coordinates, the noises come after them. An fBm does not read its gain.
+    """
+    geometry, far = Node("ShaderNodeNewGeometry", "g"), {"Vector_001": (3.0, 5.0, 7.0)}
+    nodes = [geometry] + [
+        Node(
+            "ShaderNodeVectorMath",
+            kind,
+            {"Vector": Link(0, "Position"), **far},
+            {"operation": kind},
+        )
+        for kind in ("ADD", "MULTIPLY")
+    ]
+    outputs = ["Position", "Vector", "Vector"] + ["Color"] * len(vectors)
+    for vector, gain in zip(vectors, gains, strict=True):
+        link = Link(vector, outputs[vector])
+        inputs: dict[str, Any] = {
+            "Vector": link,
+            "W": 0.3,
+            "Detail": 4.5,
+            "Distortion": 0.2,
+            "Gain": gain,
+        }
+        nodes.append(Node("ShaderNodeTexNoise", "n", inputs, {"noise_dimensions": dimensions}))
+    for i in range(len(vectors)):
+        sum_so_far = Link(len(nodes) - 1, "Vector") if i > 0 else (0.0, 0.0, 0.0)
+        inputs = {"Vector": Link(3 + i, "Color"), "Vector_001": (2.0**i,) * 3}
+        inputs["Vector_002"] = sum_so_far
+        nodes.append(Node("ShaderNodeVectorMath", "w", inputs, {"operation": "MULTIPLY_ADD"}))
+    return nodes
+
+
+@pytest.mark.parametrize("dimensions", ["2D", "3D", "4D"])
+@pytest.mark.parametrize(
+    "vectors", [[0, 1, 2], [0, 1], [0, 1, 2, 3], [0, 3, 4], [0, 1, 3, 2], [2, 3, 1, 4, 0, 5, 6]]
+)
+def test_noises_that_are_evaluated_together_keep_their_values(
+    vectors: list[int], dimensions: str
+) -> None:
+    count = len(vectors)
+    together = noises(vectors, [1.0] * count, dimensions)
+    alone = noises(vectors, [1.0 + i for i in range(count)], dimensions)
+    values = value_of(together, "Vector", 32)
+    assert np.ptp(values) > 0.1
+    np.testing.assert_array_equal(values, value_of(alone, "Vector", 32))
+
+
+def test_a_mapping_that_moves_nothing_costs_nothing() -> None:
+    def mapped(scale: float) -> list[Node]:
+        moved: dict[str, Any] = {"Vector": Link(0, "Position"), "Scale": (scale,) * 3}
+        mapping = Node("ShaderNodeMapping", "m", moved, {"vector_type": "POINT"})
+        return [Node("ShaderNodeNewGeometry", "g"), mapping]
+
+    lengths = [
+        probe.compile_graph(Graph(mapped(scale), Link(1, "Vector"))).traits["program_length"]
+        for scale in (1.0, 2.0)
+    ]
+    assert lengths[0] == lengths[1] - 1
+    np.testing.assert_array_equal(value_of(mapped(1.0), "Vector", 8), points(8)[0])
+
+
 def test_attributes_that_are_read_are_listed() -> None:
     nodes = [
         Node("ShaderNodeAttribute", "a", {}, {"attribute_name": "wear"}),

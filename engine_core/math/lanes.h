@@ -2,7 +2,6 @@
 // on the lanes side by side, and comparisons give -1 where they hold and 0 elsewhere.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -58,13 +57,6 @@ inline Floats4 abs(Floats4 v) {
   return std::bit_cast<Floats4>(std::bit_cast<Ints4>(v) & 0x7fffffff);
 }
 // Whether a comparison holds in all lanes.
-inline bool all(Ints4 mask) {
-#ifdef __SSE__
-  return __builtin_ia32_movmskps(std::bit_cast<Floats4>(mask)) == 15;
-#else
-  const auto halves = std::bit_cast<Lanes<int64_t, 2> >(mask);
-  return (halves[0] & halves[1]) == -1;
-#endif
-}
+inline bool all(Ints4 mask) { return __builtin_ia32_movmskps(std::bit_cast<Floats4>(mask)) == 15; }
 
 }  // namespace vernier

@@ -17,6 +17,9 @@ Vec4f scaled_coordinate(const Arguments& a) {
   return {p.x, p.y, p.z, a.scalar(1) * scale};
 }
 
+// Octaves beyond the first; none where the input is not a number.
+float octaves(float detail) { return std::min(std::max(0.0f, detail), 15.0f); }
+
 }  // namespace
 
 void execute_noise(uint8_t variant, std::span<const Arguments> points, Vec4f* results) {
@@ -24,7 +27,7 @@ void execute_noise(uint8_t variant, std::span<const Arguments> points, Vec4f* re
   FractalParams params;
   params.kind = static_cast<NoiseKind>(variant >> 2 & 7u);
   params.normalize = (variant & 32u) != 0;
-  params.detail = clamp(a.scalar(3), 0.0f, 15.0f);
+  params.detail = octaves(a.scalar(3));
   params.roughness = std::max(a.scalar(4), 0.0f);
   params.lacunarity = a.scalar(5);
   params.offset = a.scalar(6);
@@ -79,7 +82,7 @@ Vec4f execute_wave(uint8_t variant, const Arguments& a) {
   params.direction = static_cast<WaveDirection>(variant >> 1 & 3u);
   params.profile = static_cast<WaveProfile>(variant >> 3 & 3u);
   params.distortion = a.scalar(2);
-  params.detail = clamp(a.scalar(3), 0.0f, 15.0f);
+  params.detail = octaves(a.scalar(3));
   params.detail_scale = a.scalar(4);
   params.detail_roughness = a.scalar(5);
   params.phase = a.scalar(6);

@@ -27,7 +27,8 @@ Vec2f vec2(const Floats& a, size_t i, size_t column = 0) {
   return {a(i, column), a(i, column + 1)};
 }
 
-// Rows of world position (3), ng (3), ns (3), transmits and, where there is one more, complemented.
+// Rows of world position (3), ng (3), ns (3), transmits and, where there are more, complemented and
+// narrow.
 Receiver receiver(const Scene& scene, const Floats& a, size_t i) {
   const std::array<double, 3>& o = scene.origin();
   const Vec3f p{static_cast<float>(static_cast<double>(a(i, 0)) - o[0]),
@@ -35,6 +36,7 @@ Receiver receiver(const Scene& scene, const Floats& a, size_t i) {
                 static_cast<float>(static_cast<double>(a(i, 2)) - o[2])};
   Receiver from(p, vec3(a, i, 3), vec3(a, i, 6), a(i, 9) != 0.0f);
   from.complemented = a.shape(1) > 10 && a(i, 10) != 0.0f;
+  from.narrow = a.shape(1) > 11 && a(i, 11) != 0.0f;
   return from;
 }
 

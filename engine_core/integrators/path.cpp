@@ -32,6 +32,10 @@ struct Features {
 // A path without end (no roulette, no limit, no loss) must still hear a cancel.
 constexpr uint32_t kPollVertices = 256;
 
+// Lobes of microfacets up to this alpha fill less than about a third of the hemisphere, 4 alpha^2
+// of it: two samples of a plain world in three would be lost there.
+constexpr float kNarrow = 0.3f;
+
 // Uniform over the directions that the surface scatters to: the naive path tracer.
 struct UniformDirection {
   Vec3f wi;
@@ -62,6 +66,7 @@ class PathTracer {
         roulette_(context.settings),
         strategy_(F.mis ? DirectLight::kMis
                         : static_cast<DirectLight>(context.settings.direct_light)),
+        uniform_world_(lights_.has_uniform_environment()),
         film_(context.scene, pass_sample),
         passes_(pass_sample) {}
 
@@ -107,6 +112,7 @@ class PathTracer {
       }
       here_ = Receiver(point, (bsdf.lobes() & kLobeTransmission) != 0);
       here_.complemented = strategy_ == DirectLight::kMis;
+      here_.narrow = uniform_world_ && bsdf.widest_alpha() < kNarrow;
       draws_ = sampler_.get_2d_run<kDraws>(dimension(vertex, BounceDim{}));
       if (!sample_light(point, bsdf) || !continue_path(vertex, point, bsdf, ray)) {
         break;
@@ -348,6 +354,7 @@ class PathTracer {
   const BounceLimits limits_;
   const Roulette roulette_;
   const DirectLight strategy_;
+  const bool uniform_world_;
   CameraFilm<F.passes> film_;
   std::conditional_t<F.passes, LightPasses, NoPasses> passes_;
 

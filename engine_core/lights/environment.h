@@ -32,6 +32,12 @@ class EnvironmentMap {
   // Whether what is dim is left to the receiver's other directions: only where those find what
   // light sampling finds.
   bool leaves_dim_to(const Receiver& from) const { return even_ && from.complemented; }
+  // Whether all of it is: a world of one radiance, none of which is worth a sample where the
+  // receiver scatters to few directions.
+  bool leaves_all_to(const Receiver& from) const {
+    return uniform_ && leaves_dim_to(from) && from.narrow;
+  }
+  bool is_uniform() const { return uniform_; }
   // The part of it that exceeds the mean, which is what is then sampled.
   float share_of_peaks() const { return share_of_peaks_; }
 

@@ -17,6 +17,9 @@ struct Receiver {
   // Directions that the BSDF draws find the world as well, and the two are weighted against each
   // other: what is dim in it need not be sampled as a light.
   bool complemented = false;
+  // What is scattered there goes to few directions. With `complemented`: a sample of a plain world
+  // would be lost.
+  bool narrow = false;
 
   Receiver() = default;
   Receiver(Vec3f p_, Vec3f ng_, Vec3f ns_, bool transmits_)

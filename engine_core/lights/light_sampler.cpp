@@ -81,6 +81,9 @@ class FirstChoice {
     alternatives_ += importance > 0.0f ? 1 : 0;
   }
   void add_complemented(float irradiance) {
+    if (table_.environment.leaves_all_to(from_)) {
+      return;
+    }
     const float peaks = irradiance * table_.environment.share_of_peaks();
     const float found = irradiance - peaks, others = sum_ + peaks;
     environment_ =
@@ -120,6 +123,14 @@ LightSampler::~LightSampler() = default;
 uint32_t LightSampler::count() const { return table_->count(); }
 
 uint32_t LightSampler::emissive_triangle_count() const { return table_->first_lamp(); }
+
+bool LightSampler::has_uniform_environment() const {
+  return table_->has_environment && table_->environment.is_uniform();
+}
+
+bool LightSampler::leaves_all_to(const Receiver& from) const {
+  return table_->has_environment && table_->environment.leaves_all_to(from);
+}
 
 bool LightSampler::has_tree() const { return count() > table_->distant.size() + 1; }
 
@@ -189,7 +200,7 @@ uint32_t LightSampler::choose(const Receiver& from, float u, float& probability)
   const LightTable& table = *table_;
   if (table.count() == 1) {
     probability = 1.0f;
-    return 0;
+    return leaves_all_to(from) ? kNoIndex : 0;
   }
   const FirstChoice first(table, from);
   if (!first.any()) {
@@ -220,7 +231,7 @@ uint32_t LightSampler::choose(const Receiver& from, float u, float& probability)
 float LightSampler::pdf_selection(const Receiver& from, uint32_t light) const {
   const LightTable& table = *table_;
   if (table.count() == 1) {
-    return 1.0f;
+    return leaves_all_to(from) ? 0.0f : 1.0f;
   }
   const FirstChoice first(table, from);
   for (size_t i = 0; i < table.distant.size(); ++i) {

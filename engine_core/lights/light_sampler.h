@@ -125,6 +125,8 @@ class LightSampler {
   // The light of a triangle, of the environment; kNoIndex where there is none.
   uint32_t light_of_triangle(uint32_t instance, uint32_t triangle) const;
   uint32_t light_of_environment() const;
+  // Whether the world is a light of one radiance.
+  bool has_uniform_environment() const;
   bool is_delta(uint32_t light) const;
   bool is_infinite(uint32_t light) const;
   // Whether the light is a point: sample_emission()'s delta_position.
@@ -143,6 +145,8 @@ class LightSampler {
                      uint32_t& position, LightHit& hit) const;
   bool next_escape(Vec3f d, uint32_t mask, uint32_t flags, const PathDepth& depth, uint32_t& i,
                    LightHit& hit) const;
+  // Whether the world is a light of which nothing is worth a sample there.
+  bool leaves_all_to(const Receiver& from) const;
   // Chooses a light: its number and probability; kNoIndex where nothing reaches the receiver.
   uint32_t choose(const Receiver& from, float u, float& probability) const;
   bool sample_triangle(uint32_t light, const Receiver& from, Vec2f u, LightSample& out) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "render/settings.h"
 
@@ -12,19 +13,29 @@ class Roulette {
  public:
   explicit Roulette(const Settings& settings)
       : threshold_(static_cast<float>(settings.roulette_threshold)),
+        most_growth_(growth_to_all(threshold_)),
         start_(settings.roulette_start),
         long_path_(settings.max_bounces < 0 ? kLongPath : kNever),
         long_passage_(settings.transparent_bounces < 0 ? kLongPath : kNever) {}
   // The same with a roulette of its own.
   Roulette(const Settings& settings, float threshold, int start) : Roulette(settings) {
     threshold_ = threshold;
+    most_growth_ = growth_to_all(threshold);
     start_ = start;
   }
 
   // The probability of going on after `bounces` bounces, at vertex number `vertex`, for a path that
   // carries `carried` of what it started with. One that goes on is raised by its inverse.
+  //
+  // The best chance of going on is in proportion to what is carried, and to the root of what is to
+  // come over what it costs (Vorba and Krivanek 2016, "Adjoint-Driven Russian Roulette and
+  // Splitting", of which only what the path itself knows is used here). A path that still goes on
+  // after many bounces is in a closed place, where much would be spent on each that is let live; in
+  // the open most end by themselves. So the threshold grows with the bounces, up to all.
   float survival(int bounces, uint32_t vertex, float carried) const {
-    float p = bounces > start_ && carried < threshold_ ? carried / threshold_ : 1.0f;
+    const float threshold =
+        threshold_ * std::clamp(0.5f * static_cast<float>(bounces), 1.0f, most_growth_);
+    float p = bounces > start_ && carried < threshold ? carried / threshold : 1.0f;
     const auto scattered = static_cast<uint32_t>(bounces);
     if (scattered >= long_path_ || vertex - std::min(scattered, vertex) >= long_passage_) {
       p = std::min(p, kLongPathSurvival);
@@ -40,7 +51,11 @@ class Roulette {
   static constexpr uint32_t kLongPath = 1024, kNever = 0xffffffffu;
   static constexpr float kLongPathSurvival = 0.9f;
 
-  float threshold_;
+  static float growth_to_all(float threshold) {
+    return threshold < 1.0f ? 1.0f / std::max(threshold, std::numeric_limits<float>::min()) : 1.0f;
+  }
+
+  float threshold_, most_growth_;
   int start_;
   uint32_t long_path_, long_passage_;  // surfaces that scatter, and that let pass
 };

@@ -56,7 +56,20 @@ def lamps() -> SceneBuilder:
     return scene
 
 
-SCENES = {"room": room, "lamps": lamps}
+def studio() -> SceneBuilder:
+    """Things of every sharpness before a matte wall, under a plain world alone."""
+    scene = SceneBuilder((16, 16))
+    scene.add(quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), diffuse(0.6))
+    scene.add(box((-2, 0.7, 0), (2, 0.9, 2)), diffuse(0.3))
+    for x, roughness in ((-0.7, 0.4), (0.0, 0.5), (0.7, 1.0)):
+        glossy = shader("ShaderNodeBsdfAnisotropic", Color=(0.9, 0.7, 0.8, 1), Roughness=roughness)
+        scene.add(sphere(0.28, (x, 0, 0.3), rings=12), glossy)
+    scene.description.world = background(1.5)
+    scene.camera((0, -4, 2), (0, 0, 0.3), fov=40)
+    return scene
+
+
+SCENES = {"room": room, "lamps": lamps, "studio": studio}
 
 
 @cache

@@ -70,6 +70,14 @@ def complemented(at: np.ndarray) -> np.ndarray:
     return np.concatenate([at, np.ones((len(at), 1), np.float32)], axis=1)
 
 
+def narrow(at: np.ndarray) -> np.ndarray:
+    """The same, which scatter to few directions."""
+    return np.concatenate([at, np.ones((len(at), 2), np.float32)], axis=1)
+
+
+RECEIVERS = {"alone": lambda at: at, "complemented": complemented, "narrow": narrow}
+
+
 def all_selections(scene: Any, at: np.ndarray) -> np.ndarray:
     """Probability of every light for every receiver: (receivers, lights)."""
     count = probe.light_summary(scene)["count"]
@@ -105,13 +113,12 @@ def test_no_light_that_contributes_is_left_out(many: Any, rng: np.random.Generat
         assert (p.reshape(-1)[lit] > 0).all()
 
 
-@pytest.mark.parametrize("alone", [True, False], ids=["alone", "complemented"])
+@pytest.mark.parametrize("kind", RECEIVERS)
 def test_lights_are_chosen_as_often_as_they_should(
-    many: Any, alone: bool, rng: np.random.Generator
+    many: Any, kind: str, rng: np.random.Generator
 ) -> None:
     n = 20_000
-    rows = receivers(rng, 5)
-    for at in rows if alone else complemented(rows):
+    for at in RECEIVERS[kind](receivers(rng, 5)):
         s = sample(many, at[None], rng, n)
         p = all_selections(many, at[None])[0]
         assert s.pdf_selection[s.valid] == pytest.approx(p[s.light[s.valid]], rel=1e-4)
@@ -205,6 +212,26 @@ def test_a_plain_sky_is_left_to_other_directions(sky: float, probability: float)
     assert shared.sum() == pytest.approx(1)
     assert alone[1] > 0.1
     assert (shared[1] < probability) == (sky < 1.0)
+
+
+@pytest.mark.parametrize("lamp", [False, True])
+def test_a_plain_sky_is_left_to_narrow_receivers_altogether(
+    lamp: bool, rng: np.random.Generator
+) -> None:
+    builder = SceneBuilder()
+    if lamp:
+        builder.light("SUN", emission=(10.0,) * 3, transform=placed())
+    builder.description.world = background(2e4)
+    at = receiver((0, 0, 0))
+    scene = compiled(builder)
+    sky = all_selections(scene, narrow(at))[0][-1]
+    assert sky == 0
+    assert all_selections(scene, complemented(at))[0][-1] > 0.9
+    chosen = sample(scene, narrow(at), rng, 1000)
+    assert chosen.valid.all() == chosen.valid.any() == lamp
+    if lamp:
+        assert (chosen.light == 0).all()
+        assert chosen.pdf_selection == pytest.approx(1)
 
 
 def test_triangles_are_told_from_dark_ones(rng: np.random.Generator) -> None:

@@ -72,6 +72,9 @@ class FirstChoice {
     if (!complemented_ || !table_.is_environment(table_.distant[i])) {
       return probability(distant_importance(table_, i, from_));
     }
+    if (!(environment_ > 0.0f)) {
+      return 0.0f;
+    }
     return may_starve_ ? probability(environment_) : environment_ / sum_ * (1.0f - even_share());
   }
 

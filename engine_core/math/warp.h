@@ -6,22 +6,28 @@
 
 namespace vernier {
 
-// Unit disk, area preserving and continuous (Shirley and Chiu 1997). Density 1/pi.
+// Sine and cosine of an angle between -pi/4 and pi/4, good to an ulp (the polynomials of Moshier's
+// Cephes library, sinf.c).
+inline Vec2f cos_sin_of_octant(float x) {
+  const float z = x * x;
+  const float sine =
+      ((-1.9515295891e-4f * z + 8.3321608736e-3f) * z - 1.6666654611e-1f) * z * x + x;
+  const float cosine =
+      ((2.443315711809948e-5f * z - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) * z * z -
+      0.5f * z + 1.0f;
+  return {cosine, sine};
+}
+
+// Unit disk, area preserving and continuous (Shirley and Chiu 1997). Density 1/pi. Which of the two
+// coordinates is larger could not be foretold, so nothing branches on it: both cases are one octant
+// and its mirror image.
 inline Vec2f square_to_disk(Vec2f u) {
   const float a = 2.0f * u.x - 1.0f;
   const float b = 2.0f * u.y - 1.0f;
-  if (a == 0.0f && b == 0.0f) {
-    return {};
-  }
-  float r, phi;
-  if (std::abs(a) > std::abs(b)) {
-    r = a;
-    phi = (kPi / 4.0f) * (b / a);
-  } else {
-    r = b;
-    phi = (kPi / 2.0f) - (kPi / 4.0f) * (a / b);
-  }
-  return {r * std::cos(phi), r * std::sin(phi)};
+  const bool along_x = std::abs(a) > std::abs(b);
+  const float r = along_x ? a : b, other = along_x ? b : a;
+  const Vec2f d = cos_sin_of_octant((kPi / 4.0f) * (r != 0.0f ? other / r : 0.0f));
+  return {r * (along_x ? d.x : d.y), r * (along_x ? d.y : d.x)};
 }
 
 // Hemisphere about +z in proportion to the cosine (Malley's method). Density cos/pi.

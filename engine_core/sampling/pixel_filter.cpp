@@ -52,8 +52,8 @@ PixelFilter2d::PixelFilter2d(FilterKind kind, float width) : extent_(width * ext
     cdf_[i] = static_cast<float>(sum[i] / sum[kCells]);
   }
   size_t cell = 0;
-  for (size_t i = 0; i < kCells; ++i) {
-    while (cdf_[cell + 1] <= static_cast<float>(i) / kCells) {
+  for (size_t i = 0; i < kGuides; ++i) {
+    while (cdf_[cell + 1] <= static_cast<float>(i) / kGuides) {
       ++cell;
     }
     guide_[i] = static_cast<uint8_t>(cell);

@@ -32,9 +32,10 @@ class PixelFilter2d {
 
  private:
   static constexpr int kCells = 128;  // of even width: the density is constant in each
+  static constexpr int kGuides = 1024;
 
   float sample_1d(float u) const {
-    size_t cell = guide_[static_cast<size_t>(u * kCells)];
+    size_t cell = guide_[static_cast<size_t>(u * kGuides)];
     while (cdf_[cell + 1] <= u) {
       ++cell;
     }
@@ -44,7 +45,8 @@ class PixelFilter2d {
 
   float extent_;  // pixels
   std::array<float, kCells + 1> cdf_;
-  std::array<uint8_t, kCells> guide_;  // the cell of u = i / kCells: where the search begins
+  // The cell of u = i / kGuides, where the search begins: hardly ever more than one before its end.
+  std::array<uint8_t, kGuides> guide_;
 };
 
 }  // namespace vernier

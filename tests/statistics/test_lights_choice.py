@@ -232,6 +232,9 @@ def test_a_plain_sky_is_left_to_narrow_receivers_altogether(
     if lamp:
         assert (chosen.light == 0).all()
         assert chosen.pdf_selection == pytest.approx(1)
+    # Turned away from the lamp nothing else is left, and nothing has a chance.
+    away = receiver((0, 0, 0), ng=(0, 0, -1))
+    assert (all_selections(scene, narrow(away)) == 0).all()
 
 
 def test_triangles_are_told_from_dark_ones(rng: np.random.Generator) -> None:

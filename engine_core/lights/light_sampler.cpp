@@ -51,10 +51,10 @@ class FirstChoice {
   FirstChoice(const LightTable& table, const Receiver& from)
       : table_(table),
         from_(from),
+        query_(from),
+        in_tree_(table.tree.choose_first(query_)),
         complemented_(table.has_environment && table.environment.leaves_dim_to(from)) {
-    // Alone, the tree needs no weighing.
-    const bool alone = table.distant.empty() && !table.tree.empty();
-    tree_ = alone ? 1.0f : table.tree.importance(from);
+    tree_ = in_tree_.sum();
     add(tree_);
     const size_t others = table.distant.size() - (complemented_ ? 1 : 0);  // the world comes last
     for (size_t i = 0; i < others; ++i) {
@@ -66,6 +66,11 @@ class FirstChoice {
   }
   bool any() const { return sum_ > 0.0f; }
   bool has_tree() const { return tree_ > 0.0f; }
+  // Among the lights of the tree.
+  uint32_t sample_tree(double u, float& pdf) const {
+    return table_.tree.sample(query_, in_tree_, u, pdf);
+  }
+  float pdf_tree(uint32_t light) const { return table_.tree.pdf(query_, in_tree_, light); }
   float probability_of_tree() const { return probability(tree_); }
   // Of distant light number i.
   float probability_of(size_t i) const {
@@ -105,6 +110,8 @@ class FirstChoice {
 
   const LightTable& table_;
   const Receiver& from_;
+  const LightTree::Query query_;
+  const LightTree::Choice in_tree_;
   float sum_ = 0;
   uint32_t alternatives_ = 0;
   float tree_ = 0;
@@ -226,7 +233,7 @@ uint32_t LightSampler::choose(const Receiver& from, float u, float& probability)
   }
   const double u_tree = rest / static_cast<double>(p);
   const uint32_t light =
-      table.tree.sample(from, u_tree < 1.0 ? u_tree : 0x1.fffffffffffffp-1, probability);
+      first.sample_tree(u_tree < 1.0 ? u_tree : 0x1.fffffffffffffp-1, probability);
   probability *= p;
   return probability > 0.0f ? light : kNoIndex;
 }
@@ -243,7 +250,7 @@ float LightSampler::pdf_selection(const Receiver& from, uint32_t light) const {
     }
   }
   const float p = first.probability_of_tree();
-  return p > 0.0f ? p * table.tree.pdf(from, light) : 0.0f;
+  return p > 0.0f ? p * first.pdf_tree(light) : 0.0f;
 }
 
 bool LightSampler::sample(const Receiver& from, float u_select, Vec2f u, LightSample& out) const {

@@ -1,140 +1,170 @@
 #include "lights/light_tree.h"
 
+#include <bit>
 #include <cmath>
 
 namespace vernier {
 namespace {
 
-// Cosines here come from square roots of rounded differences: they are good to sqrt(u).
-constexpr float kCosineSlack = 0x1p-10f;
-// Least share of a branch that reaches the receiver at all: an importance is a guess that knows
-// nothing of occlusion.
-constexpr float kLeastShare = 0x1p-12f;
+using Four = LightTree::Choice::Four;
+using FourIndices [[gnu::vector_size(16)]] = int32_t;
+
+// Cosines here come from square roots of rounded differences, which are good to sqrt(u), and from
+// numbers of nine bits.
+constexpr float kCosineSlack = 0x1p-7f;
+// Squares of distances are at least this, so that no importance overflows.
+constexpr float kSmallestDistance2 = 1e-28f;
+// Part of a choice that each branch gets that reaches the receiver at all: an importance is a guess
+// that knows nothing of occlusion.
+constexpr float kLeastShare = 0x1p-15f;
+
+float upper(uint32_t word) { return std::bit_cast<float>(word); }
+float lower(uint32_t word) { return std::bit_cast<float>(word << 16); }
+float masked(float value, uint32_t mask) {
+  return std::bit_cast<float>(std::bit_cast<uint32_t>(value) & mask);
+}
+
+// Of every number, its sum with those before.
+Four running_sum(Four v) {
+  v += __builtin_shuffle(Four{}, v, FourIndices{0, 4, 5, 6});
+  return v + __builtin_shuffle(Four{}, v, FourIndices{0, 1, 4, 5});
+}
 
 }  // namespace
 
-// Every lane does the same, without a branch, so that the loop becomes vector instructions.
-float LightTree::weigh(const Node& node, const Receiver& from, Lanes& weights) {
-  const Vec3f p = from.p, ng = from.ng, ns = from.ns;
-  const Vec3f a = abs(ng);
-  const float floor_p = dot(a, abs(p));
-  const float opaque = from.transmits ? 0.0f : 1.0f;
+LightTree::Query::Query(const Receiver& from) {
+  p_x.fill(from.p.x), p_y.fill(from.p.y), p_z.fill(from.p.z);
+  ng_x.fill(from.ng.x), ng_y.fill(from.ng.y), ng_z.fill(from.ng.z);
+  ns_x.fill(from.ns.x), ns_y.fill(from.ns.y), ns_z.fill(from.ns.z);
+  lowest.fill(from.transmits ? -kLarge : -gamma(16) * dot(abs(from.ng), abs(from.p)));
+  sides.fill(from.transmits ? ~kSign : ~0u);
+}
+
+// Every lane does the same, without a branch, so that the loop becomes vector instructions. Sines
+// and cosines are on the scale of the distance, times which they are: their square roots wait
+// neither for the distance's nor for its reciprocal.
+//
+// Never inlined: sample() and pdf() must find the same bits.
+[[gnu::noinline]] LightTree::Choice LightTree::weigh(const Node& node, const Query& from) {
+  std::array<float, kWidth> weights;
   for (size_t i = 0; i < kWidth; ++i) {
-    const float x = node.center_x[i] - p.x;
-    const float y = node.center_y[i] - p.y;
-    const float z = node.center_z[i] - p.z;
+    const float x = node.center_x[i] - from.p_x[i];
+    const float y = node.center_y[i] - from.p_y[i];
+    const float z = node.center_z[i] - from.p_z[i];
     const float distance2 = x * x + y * y + z * z;
-    const float half_x = node.half_x[i], half_y = node.half_y[i], half_z = node.half_z[i];
-    const float radius2 = half_x * half_x + half_y * half_y + half_z * half_z;
+    const float radius = upper(node.radius_cos_e[i]);
+    const float radius2 = radius * radius;
     const float nearest = std::max(distance2, radius2);
-    const float outside = distance2 > radius2 ? 1.0f : 0.0f;
+    const float inverse2 = 1.0f / std::max(nearest, kSmallestDistance2);
 
-    // Nothing where all of the box lies behind the plane of an opaque receiver.
-    const float reach = a.x * half_x + a.y * half_y + a.z * half_z;
-    const float highest = ng.x * x + ng.y * y + ng.z * z + reach;
-    const float size = a.x * std::abs(node.center_x[i]) + a.y * std::abs(node.center_y[i]) +
-                       a.z * std::abs(node.center_z[i]) + floor_p + reach;
-    const float behind = highest < -gamma(16) * size ? opaque : 0.0f;
+    // Nothing where all of the sphere lies behind the plane of an opaque receiver.
+    const float highest = from.ng_x[i] * x + from.ng_y[i] * y + from.ng_z[i] * z + radius;
 
-    const float inverse = 1.0f / std::sqrt(std::max(nearest, std::numeric_limits<float>::min()));
-    const float dx = x * inverse, dy = y * inverse, dz = z * inverse;
-    // The angle b that the sphere about the box fills.
-    const float sin2_b = std::min(radius2 * inverse * inverse, 1.0f);
-    const float sin_b = std::sqrt(sin2_b), cos_b = std::sqrt(1.0f - sin2_b);
+    // The sphere fills an angle b, whose sine is the radius: all where the receiver is inside.
+    const float cos_b =
+        distance2 > radius2 ? std::sqrt(std::max(distance2 - radius2, 0.0f)) : -kLarge;
     // The least angle between the light and the receiver's normal: i less b.
-    const float cos_n = ns.x * dx + ns.y * dy + ns.z * dz;
-    const float cos_i = opaque > 0.0f ? cos_n : std::abs(cos_n);
-    const float sin_i = std::sqrt(std::max(1.0f - cos_i * cos_i, 0.0f));
-    const float cos_ib = cos_i >= cos_b ? 1.0f : cos_i * cos_b + sin_i * sin_b;
+    const float cos_i =
+        masked(from.ns_x[i] * x + from.ns_y[i] * y + from.ns_z[i] * z, from.sides[i]);
+    const float sin_i = std::sqrt(std::max(nearest - cos_i * cos_i, 0.0f));
+    const float cos_ib = cos_i >= cos_b ? 1.0f : (cos_i * cos_b + sin_i * radius) * inverse2;
     // The least angle between a normal of the lights and the receiver: w less o less b.
-    const float cos_a = std::min(
-        std::max(-(node.axis_x[i] * dx + node.axis_y[i] * dy + node.axis_z[i] * dz), -1.0f), 1.0f);
-    const float cos_w = node.one_sided[i] > 0.0f ? cos_a : std::abs(cos_a);
-    const float sin_w = std::sqrt(1.0f - cos_w * cos_w);
-    const float cos_o = node.cos_o[i], sin_o = node.sin_o[i];
-    const bool within = cos_w >= cos_o;
-    const float cos_wo = within ? 1.0f : cos_w * cos_o + sin_w * sin_o;
-    const float sin_wo = within ? 0.0f : sin_w * cos_o - cos_w * sin_o;
-    const float cos_x = cos_wo >= cos_b ? 1.0f : cos_wo * cos_b + sin_wo * sin_b;
-    const float dark = cos_x < node.cos_e[i] - kCosineSlack ? outside : 0.0f;
+    const float axis_x = upper(node.axis_x_cos_o[i]);
+    const float axis_y = upper(node.axis_y_sin_o[i]);
+    const float axis_z = upper(node.axis_z_intensity[i]);
+    const float axis2 = axis_x * axis_x + axis_y * axis_y + axis_z * axis_z;
+    const float intensity = lower(node.axis_z_intensity[i]);
+    const uint32_t two_sided = std::bit_cast<uint32_t>(intensity) & kSign;
+    const float cos_w = masked(axis_x * x + axis_y * y + axis_z * z, ~two_sided);
+    const float sin_w = std::sqrt(std::max(nearest * axis2 - cos_w * cos_w, 0.0f));
+    const float cos_o = lower(node.axis_x_cos_o[i]);
+    const float sin_o = lower(node.axis_y_sin_o[i]);
+    const float cos_wo = cos_w * cos_o + sin_w * sin_o;
+    const float sin_wo = sin_w * cos_o - cos_w * sin_o;
+    const bool within = sin_wo < 0.0f || cos_wo >= cos_b;
+    const float cos_x = within ? 1.0f : (cos_wo * cos_b + sin_wo * radius) * inverse2;
+    const float cos_e = lower(node.radius_cos_e[i]) - kCosineSlack;
 
     const float cosines =
         std::max(cos_ib, kImportanceCosineFloor) * std::max(cos_x, kImportanceCosineFloor);
-    const float weighted = node.intensity[i] * (outside > 0.0f ? cosines : 1.0f) /
-                           std::max(nearest, std::numeric_limits<float>::min());
-    const float bounded = std::min(std::max(weighted, kSmallestImportance), kLargestImportance);
-    const bool reaches = node.intensity[i] > 0.0f && behind + dark == 0.0f;
-    weights[i] = reaches ? bounded : 0.0f;
+    const float weight =
+        std::max(masked(intensity, ~kSign) * inverse2 * cosines, kSmallestImportance);
+    weights[i] = highest < from.lowest[i] || cos_x < cos_e ? 0.0f : weight;
   }
-  float sum = 0.0f;
-  for (const float weight : weights) {
-    sum += weight;
-  }
-  return sum;
+
+  const auto low = std::bit_cast<std::array<Four, 2>>(weights)[0];
+  const auto high = std::bit_cast<std::array<Four, 2>>(weights)[1];
+  const Four sum_low = running_sum(low);
+  const Four sum_high = running_sum(high) + sum_low[3];
+  const Four count_low = running_sum(low > 0.0f ? Four{} + 1.0f : Four{});
+  const Four count_high = running_sum(high > 0.0f ? Four{} + 1.0f : Four{}) + count_low[3];
+  const float least = sum_high[3] * kLeastShare;
+  return {{Four{}, sum_low + count_low * least, sum_high + count_high * least}};
 }
 
-float LightTree::importance(const Receiver& from) const {
-  Lanes weights;
-  return empty() ? 0.0f : weigh(nodes_[0], from, weights);
+LightTree::Choice LightTree::choose_first(const Query& from) const {
+  return empty() ? Choice{} : weigh(nodes_[0], from);
 }
 
-// A child's probability is its weight's share of the sum, of which a little goes evenly to all that
-// have any: w (1 - k) / sum + k / count.
-uint32_t LightTree::sample(const Receiver& from, double u, float& pdf) const {
+float LightTree::Choice::share(size_t i) const {
+  const float share = end(i) - begin(i);
+  // Where nothing was added, sums of the same numbers in another order may differ.
+  return share > 0.5f * kLeastShare * sum() ? share : 0.0f;
+}
+
+size_t LightTree::Choice::find(double u) const {
+  const Four about = Four{} + static_cast<float>(u) * sum();
+  FourIndices passed = (about >= ends[1]) + (about >= ends[2]);  // minus how many are
+  passed += __builtin_shuffle(passed, FourIndices{2, 3, 0, 1});
+  auto i = std::min(static_cast<size_t>(-(passed[0] + passed[1])), size_t{kWidth - 1});
+  // Rounding may have passed an end, which hardly ever happens, and must not to children of a small
+  // share more often than to others.
+  const double exactly = u * static_cast<double>(sum());
+  while (exactly < static_cast<double>(begin(i))) {
+    --i;
+  }
+  while (exactly >= static_cast<double>(end(i))) {
+    ++i;
+  }
+  return i;
+}
+
+uint32_t LightTree::sample(const Query& from, const Choice& first, double u, float& pdf) const {
   pdf = 1.0f;
-  Lanes weights;
+  Choice choice = first;
   for (uint32_t node = 0;;) {
-    const float sum = weigh(nodes_[node], from, weights);
+    const float sum = choice.sum();
     if (!(sum > 0.0f)) {
       return kNoIndex;
     }
-    float alive = 0.0f;
-    for (const float weight : weights) {
-      alive += weight > 0.0f ? 1.0f : 0.0f;
+    const size_t chosen = choice.find(u);
+    const uint32_t child = nodes_[node].child[chosen];
+    const float share = choice.share(chosen);
+    pdf *= share / sum;
+    if ((child & kIsLight) != 0) {
+      return child & ~kIsLight;
     }
-    const float scale = (1.0f - kLeastShare) / sum, even = kLeastShare / alive;
-    // passed[i]: the shares of the children before i. No branch, as none could be foretold.
-    Lanes shares;
-    std::array<double, kWidth> passed;
-    for (size_t i = 0; i < kWidth; ++i) {
-      shares[i] = weights[i] > 0.0f ? weights[i] * scale + even : 0.0f;
-    }
-    passed[0] = 0.0;
-    size_t chosen = 0;
-    for (size_t i = 1; i < kWidth; ++i) {
-      passed[i] = passed[i - 1] + static_cast<double>(shares[i - 1]);
-      chosen += u >= passed[i] ? 1 : 0;
-    }
-    // The last child with any weight takes what rounding leaves.
-    while (!(shares[chosen] > 0.0f)) {
-      --chosen;
-    }
-    u = std::min((u - passed[chosen]) / static_cast<double>(shares[chosen]), 0x1.fffffffffffffp-1);
-    pdf *= shares[chosen];
-    if (nodes_[node].is_light[chosen]) {
-      return nodes_[node].child[chosen];
-    }
-    node = nodes_[node].child[chosen];
+    // Where in the child's part it was chooses the next.
+    u = (u * static_cast<double>(sum) - static_cast<double>(choice.begin(chosen))) /
+        static_cast<double>(choice.end(chosen) - choice.begin(chosen));
+    u = std::min(u, 0x1.fffffffffffffp-1);
+    node = child;
+    choice = weigh(nodes_[node], from);
   }
 }
 
-float LightTree::pdf(const Receiver& from, uint32_t light) const {
+float LightTree::pdf(const Query& from, const Choice& first, uint32_t light) const {
   if (light >= light_places_.size() || light_places_[light].node == kNoIndex) {
     return 0.0f;
   }
   float pdf = 1.0f;
-  Lanes weights;
   for (Place at = light_places_[light]; at.node != kNoIndex; at = node_places_[at.node]) {
-    const float sum = weigh(nodes_[at.node], from, weights);
-    const float weight = weights[at.lane];
-    if (!(weight > 0.0f)) {
+    const Choice choice = at.node == 0 ? first : weigh(nodes_[at.node], from);
+    const float share = choice.share(at.lane);
+    if (!(share > 0.0f)) {
       return 0.0f;
     }
-    float alive = 0.0f;
-    for (const float w : weights) {
-      alive += w > 0.0f ? 1.0f : 0.0f;
-    }
-    pdf *= weight * ((1.0f - kLeastShare) / sum) + kLeastShare / alive;
+    pdf *= share / choice.sum();
   }
   return pdf;
 }

@@ -30,8 +30,8 @@ LightBounds merge(const LightBounds& a, const LightBounds& b);
 // The cosine in a light's importance is at least this: shading normals may be tilted afterwards
 // (bump mapping), and a light that a receiver can see must have a chance.
 inline constexpr float kImportanceCosineFloor = 0.05f;
-// Importances are kept in this range, so that no sum overflows and no light that counts has none.
-inline constexpr float kSmallestImportance = 1e-30f, kLargestImportance = 1e30f;
+// And an importance at least this: no light that counts has none.
+inline constexpr float kSmallestImportance = 1e-30f;
 
 class LightTree {
  public:
@@ -43,28 +43,67 @@ class LightTree {
   LightTree(std::span<const LightBounds> bounds, std::span<const uint32_t> lights);
 
   bool empty() const { return nodes_.empty(); }
-  // A rough irradiance at the receiver from all lights, 0 where none can reach it.
-  float importance(const Receiver& from) const;
+
+  // What is asked for a receiver, of all children of a node alike.
+  struct Query {
+    explicit Query(const Receiver& from);
+
+    std::array<float, kWidth> p_x, p_y, p_z, ng_x, ng_y, ng_z, ns_x, ns_y, ns_z;
+    std::array<float, kWidth> lowest;    // what is higher may be above the receiver's plane
+    std::array<uint32_t, kWidth> sides;  // bits to keep of cosines: not the sign if either counts
+  };
+  // A choice among the children of a node.
+  struct Choice {
+    using Four [[gnu::vector_size(16)]] = float;
+    // Each child has the part of [0, sum) from the end of the one before to its own: float32 may
+    // have moved the ends, but what is drawn has the very probability that is told of it. Before
+    // the first is a zero.
+    std::array<Four, 1 + kWidth / 4> ends{};
+
+    float begin(size_t i) const { return ends[(i + 3) / 4][(i + 3) % 4]; }
+    float end(size_t i) const { return begin(i + 1); }
+    // A rough irradiance at the receiver, 0 where no light can reach it.
+    float sum() const { return end(kWidth - 1); }
+    // The length of a child's part; 0: nothing of it reaches the receiver.
+    float share(size_t i) const;
+    // The child whose part holds u times the sum, u in [0,1).
+    size_t find(double u) const;
+  };
+  // The choice that all others for this receiver begin with.
+  Choice choose_first(const Query& from) const;
   // The light chosen by u in [0,1), and the probability of the choice. kNoIndex where what was
   // chosen turns out to reach nothing.
-  uint32_t sample(const Receiver& from, double u, float& pdf) const;
+  uint32_t sample(const Query& from, const Choice& first, double u, float& pdf) const;
   // The probability with which sample() chooses `light`.
-  float pdf(const Receiver& from, uint32_t light) const;
+  float pdf(const Query& from, const Choice& first, uint32_t light) const;
 
  private:
   friend class LightTreeBuilder;
-  using Lanes = std::array<float, kWidth>;
+  template <class T>
+  using Lanes = std::array<T, kWidth>;
 
-  // Children by component. Unused ones have no intensity.
-  struct alignas(32) Node {
-    Lanes center_x{}, center_y{}, center_z{};
-    Lanes half_x{}, half_y{}, half_z{};  // of the boxes
-    Lanes axis_x{}, axis_y{}, axis_z{};
-    Lanes cos_o{}, sin_o{}, cos_e{};  // of the cones
-    Lanes one_sided{};                // 1: shines along its normals only; 0: both ways
-    Lanes intensity{};
-    std::array<uint32_t, kWidth> child{};  // a node's number, or a light's
-    std::array<bool, kWidth> is_light{};
+  static constexpr float kLarge = 1e30f;
+  static constexpr uint32_t kSign = 0x80000000u, kIsLight = 0x80000000u;
+
+  // Children by component, in four cache lines: trees are larger than caches. Two numbers share a
+  // word: the first is all of it, as a float32, whatever the second makes of its lower bits; the
+  // second is a float32 of which the lower half is left out.
+  struct alignas(64) Node {
+    Lanes<float> center_x{}, center_y{}, center_z{};  // of the spheres about the lights
+    // Their radii, with what rounding may move. And the cosines of angle_e; unused children shine
+    // at no angle.
+    Lanes<uint32_t> radius_cos_e = unused();
+    // Minus the axes of the cones, not of unit length, and the cosines and sines of angle_o over
+    // that length. Negative intensities: those that shine both ways.
+    Lanes<uint32_t> axis_x_cos_o{}, axis_y_sin_o{}, axis_z_intensity{};
+    Lanes<uint32_t> child{};  // a node's number, or a light's and kIsLight
+
+    static Lanes<uint32_t> unused() {
+      constexpr uint32_t kOneAndTwo = 0x3f804000u;  // a radius of one, a cosine of two
+      Lanes<uint32_t> words;
+      words.fill(kOneAndTwo);
+      return words;
+    }
   };
   // Where a light or node hangs.
   struct Place {
@@ -72,8 +111,7 @@ class LightTree {
     uint32_t lane = 0;
   };
 
-  // The importance of every child, and their sum.
-  static float weigh(const Node& node, const Receiver& from, Lanes& weights);
+  static Choice weigh(const Node& node, const Query& from);
 
   std::vector<Node> nodes_;          // the root first
   std::vector<Place> node_places_;   // of each node

@@ -1,6 +1,7 @@
 // How a light tree is made: a binary tree by a surface-area-and-orientation heuristic, of which
 // eight branches at a time become one node.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "lights/light_tree.h"
@@ -245,21 +246,63 @@ class LightTreeBuilder {
     }
   }
 
+  // The upper half of the float32 next to `number`, or next below.
+  static uint32_t nearest_half(float number) {
+    return (std::bit_cast<uint32_t>(number) + 0x8000u) >> 16;
+  }
+  static uint32_t half_below(float number) {
+    const uint32_t bits = std::bit_cast<uint32_t>(number);
+    return (bits >> 16) + ((bits >> 31) != 0 && (bits & 0xffffu) != 0 ? 1u : 0u);
+  }
+  // The word of the given lower half that is, as a float32, next to `number`; or next above, which
+  // is for positive numbers.
+  static uint32_t nearest_word(float number, uint32_t low) {
+    // No denormals, which are slow.
+    const float normal = std::copysign(std::max(std::abs(number), 0x1p-20f), number);
+    return ((std::bit_cast<uint32_t>(normal) - low + 0x8000u) & 0xffff0000u) | low;
+  }
+  static uint32_t word_above(float number, uint32_t low) {
+    return ((std::bit_cast<uint32_t>(std::max(number, 1e-18f)) - low + 0xffffu) & 0xffff0000u) |
+           low;
+  }
+
   static void store(LightTree::Node& node, size_t lane, const LightBounds& b, uint32_t link,
                     bool is_light) {
     const Vec3f center = center_of(b);
-    // Half the size, with the rounding of the centre.
-    const Vec3f half = max(b.upper - center, center - b.lower) * (1.0f + gamma(4));
     node.center_x[lane] = center.x, node.center_y[lane] = center.y, node.center_z[lane] = center.z;
-    node.half_x[lane] = half.x, node.half_y[lane] = half.y, node.half_z[lane] = half.z;
-    node.axis_x[lane] = b.axis.x, node.axis_y[lane] = b.axis.y, node.axis_z[lane] = b.axis.z;
-    node.cos_o[lane] = b.angle_o >= kPi ? -1.0f : std::cos(b.angle_o);
-    node.sin_o[lane] = b.angle_o >= kPi ? 0.0f : std::sin(b.angle_o);
-    node.cos_e[lane] = std::cos(b.angle_e);
-    node.one_sided[lane] = b.two_sided ? 0.0f : 1.0f;
-    node.intensity[lane] = b.intensity;
-    node.child[lane] = link;
-    node.is_light[lane] = is_light;
+    // With the rounding of the centre, and all that a height over a receiver's plane may be off by
+    // but for the receiver's own place.
+    const float radius = length(max(b.upper - center, center - b.lower)) * (1.0f + gamma(20)) +
+                         length(center) * gamma(16);
+    node.radius_cos_e[lane] = word_above(radius, half_below(std::cos(b.angle_e)));
+    store_cone(node, lane, b);
+    node.child[lane] = is_light ? link | LightTree::kIsLight : link;
+  }
+
+  static void store_cone(LightTree::Node& node, size_t lane, const LightBounds& b) {
+    const bool all_around = b.axis == Vec3f{};
+    const Vec3f axis = all_around ? Vec3f{0, 0, 1} : b.axis;
+    uint32_t x = 0, y = 0, z = nearest_half(b.two_sided ? -b.intensity : b.intensity);
+    // Each time with what the lower halves have become: the first is without.
+    for (int i = 0; i < 4; ++i) {
+      x = nearest_word(-axis.x, x & 0xffffu);
+      y = nearest_word(-axis.y, y & 0xffffu);
+      z = nearest_word(-axis.z, z & 0xffffu);
+      const Vec3f stored =
+          -Vec3f{std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z)};
+      // Wider by what the axis has turned; and never of sine zero: by the sign of sin(w - o), a
+      // cone of all directions contains its axis.
+      const float turned = std::atan2(length(cross(axis, stored)), dot(axis, stored));
+      const float angle = all_around ? kPi : std::min(b.angle_o + turned, kPi);
+      const float scale = 1.0f / length(stored);
+      if (i < 3) {
+        x = nearest_half(std::cos(angle) * scale);
+        y = nearest_half(std::max(std::sin(angle), 0x1p-10f) * scale);
+      }
+    }
+    node.axis_x_cos_o[lane] = x;
+    node.axis_y_sin_o[lane] = y;
+    node.axis_z_intensity[lane] = z;
   }
 
   std::span<const LightBounds> bounds_;

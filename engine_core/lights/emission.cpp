@@ -365,10 +365,10 @@ void LightSampler::emit_triangle(uint32_t light, Vec2f u_position, Vec2f u_direc
   out.p_error = gamma(8) * (abs(triangle.v0) + abs(triangle.e1) + abs(triangle.e2));
   out.instance = triangle.instance;
   out.triangle = triangle.triangle;
-  out.visibility = table_->scene->instances[triangle.instance].visibility;
-  const MaterialTraits& traits = triangle.material->traits();
-  if (traits.emission_constant) {
-    out.radiance = bounded_radiance(traits.average_emission);
+  const TriangleEmitter& emitter = table_->emitters[triangle.emitter];
+  out.visibility = emitter.visibility;
+  if (emitter.constant) {
+    out.radiance = emitter.radiance;
     return;
   }
   // The point as a viewer at one unit along the direction would meet it.
@@ -376,7 +376,7 @@ void LightSampler::emit_triangle(uint32_t light, Vec2f u_position, Vec2f u_direc
       table_->scene->surface_point(Ray{out.p + out.direction, -out.direction, kInfinity},
                                    Hit{1.0f, b.x, b.y, triangle.instance, triangle.triangle});
   point.ray_flags = 0;
-  out.radiance = bounded_radiance(triangle.material->emission(point));
+  out.radiance = bounded_radiance(emitter.material->emission(point));
 }
 
 }  // namespace vernier

@@ -185,7 +185,7 @@ bool LightSampler::is_plain(uint32_t light) const {
     return (visibility & kVisibleScattered) == kVisibleScattered;
   };
   if (table_->is_triangle(light)) {
-    return whole(table_->scene->instances[table_->triangles[light].instance].visibility);
+    return whole(table_->emitter(light).visibility);
   }
   if (table_->is_environment(light)) {
     return whole(table_->scene->world_visibility | kVisibleShadow);
@@ -211,6 +211,12 @@ uint32_t LightSampler::choose(const Receiver& from, float u, float& probability)
   if (table.count() == 1) {
     probability = 1.0f;
     return leaves_all_to(from) ? kNoIndex : 0;
+  }
+  if (table.distant.empty()) {
+    const LightTree::Query query(from);
+    const uint32_t light =
+        table.tree.sample(query, table.tree.choose_first(query), extend_bits(u), probability);
+    return probability > 0.0f ? light : kNoIndex;
   }
   const FirstChoice first(table, from);
   if (!first.any()) {
@@ -242,6 +248,10 @@ float LightSampler::pdf_selection(const Receiver& from, uint32_t light) const {
   const LightTable& table = *table_;
   if (table.count() == 1) {
     return leaves_all_to(from) ? 0.0f : 1.0f;
+  }
+  if (table.distant.empty()) {
+    const LightTree::Query query(from);
+    return table.tree.pdf(query, table.tree.choose_first(query), light);
   }
   const FirstChoice first(table, from);
   for (size_t i = 0; i < table.distant.size(); ++i) {
@@ -293,17 +303,17 @@ bool LightSampler::sample_triangle(uint32_t light, const Receiver& from, Vec2f u
   out.pdf = s.shape.pdf;
   out.instance = triangle.instance;
   out.triangle = triangle.triangle;
-  out.visibility = table_->scene->instances[triangle.instance].visibility;
   out.hittable = true;
-  const MaterialTraits& traits = triangle.material->traits();
-  if (traits.emission_constant) {
-    out.radiance = bounded_radiance(traits.average_emission);
+  const TriangleEmitter& emitter = table_->emitters[triangle.emitter];
+  out.visibility = emitter.visibility;
+  if (emitter.constant) {
+    out.radiance = emitter.radiance;
   } else {
     SurfacePoint point = table_->scene->surface_point(
         Ray{from.p, out.wi, kInfinity},
         Hit{out.distance, s.b1, s.b2, triangle.instance, triangle.triangle});
     point.ray_flags = 0;
-    out.radiance = bounded_radiance(triangle.material->emission(point));
+    out.radiance = bounded_radiance(emitter.material->emission(point));
   }
   return true;
 }

@@ -1,6 +1,8 @@
 #include "lights/light_table.h"
 
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "lights/light_table_build.h"
 #include "nodes/material.h"
@@ -14,7 +16,29 @@ constexpr int kLeastResolution = 256;
 constexpr int kLargestResolution = 1024;
 constexpr double kPiDouble = 3.14159265358979323846;
 
+// Numbers what shines as the same material does and is seen alike.
+class Emitters {
+ public:
+  explicit Emitters(std::vector<TriangleEmitter>& emitters) : emitters_(emitters) {}
+
+  uint32_t number_of(const Material& material, uint32_t visibility) {
+    const auto next = static_cast<uint32_t>(emitters_.size());
+    const auto [at, is_new] = numbers_.try_emplace({&material, visibility}, next);
+    if (is_new) {
+      const MaterialTraits& traits = material.traits();
+      emitters_.push_back({&material, visibility, traits.emission_constant,
+                           bounded_radiance(traits.average_emission)});
+    }
+    return at->second;
+  }
+
+ private:
+  std::vector<TriangleEmitter>& emitters_;
+  std::map<std::pair<const Material*, uint32_t>, uint32_t> numbers_;
+};
+
 void add_triangles(const Scene& scene, LightTable& table) {
+  Emitters emitters(table.emitters);
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
     const auto count = static_cast<uint32_t>(mesh.triangles.size());
@@ -35,9 +59,10 @@ void add_triangles(const Scene& scene, LightTable& table) {
         continue;
       }
       const std::array<Vec3f, 3> p = scene.triangle(i, t);
-      TriangleLight light{p[0], p[1] - p[0], p[2] - p[0], {}, 0.0f, &material, i, t};
+      TriangleLight light{p[0], p[1] - p[0], p[2] - p[0], {}, 0.0f, i, t};
       measure(light);
       if (light.area > 0.0f) {
+        light.emitter = emitters.number_of(material, scene.instances[i].visibility);
         emissive[t] = true;
         table.triangles.push_back(light);
       }
@@ -109,8 +134,9 @@ LightBounds triangle_bounds(const TriangleLight& light) {
   return b;
 }
 
-double triangle_intensity(const TriangleLight& light) {
-  const MaterialTraits& traits = light.material->traits();
+double triangle_intensity(const LightTable& table, uint32_t number) {
+  const TriangleLight& light = table.triangles[number];
+  const MaterialTraits& traits = table.emitter(number).material->traits();
   const double estimate = static_cast<double>(average(abs(traits.average_emission)));
   // An estimate of zero does not make the light dark.
   return static_cast<double>(light.area) * (estimate > 0.0 ? estimate : 1.0);
@@ -151,9 +177,8 @@ bool shines_evenly(const LightTable& table, uint32_t light) {
   };
   const auto alike = [](const Material& shader) { return !shader.traits().path_dependent; };
   if (table.is_triangle(light)) {
-    const TriangleLight& triangle = table.triangles[light];
-    return alike(*triangle.material) &&
-           unhidden(table.scene->instances[triangle.instance].visibility);
+    const TriangleEmitter& emitter = table.emitter(light);
+    return alike(*emitter.material) && unhidden(emitter.visibility);
   }
   if (table.is_environment(light)) {
     return alike(*table.scene->world) && unhidden(table.scene->world_visibility | kVisibleShadow);
@@ -174,7 +199,7 @@ void weigh_lights(LightTable& table) {
   double largest = 0.0;
   for (uint32_t light = 0; light < count; ++light) {
     if (table.is_triangle(light)) {
-      intensity[light] = triangle_intensity(table.triangles[light]);
+      intensity[light] = triangle_intensity(table, light);
       power[light] = 2.0 * kPiDouble * intensity[light];
     } else if (table.is_environment(light)) {
       irradiance[light] = kPiDouble * static_cast<double>(table.environment.mean_radiance());

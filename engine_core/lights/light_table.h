@@ -24,6 +24,7 @@ struct LightTable {
 
   // Lights by number: triangles, lamps, environment.
   std::vector<TriangleLight> triangles;
+  std::vector<TriangleEmitter> emitters;
   std::vector<Lamp> lamps;
   bool has_environment = false;  // the world emits something that can be sampled
   EnvironmentMap environment;
@@ -47,6 +48,9 @@ struct LightTable {
   uint32_t count() const { return environment_light() + (has_environment ? 1u : 0u); }
   bool is_triangle(uint32_t light) const { return light < first_lamp(); }
   bool is_environment(uint32_t light) const { return light >= environment_light(); }
+  const TriangleEmitter& emitter(uint32_t light) const {
+    return emitters[triangles[light].emitter];
+  }
   const Lamp& lamp(uint32_t light) const { return lamps[light - first_lamp()]; }
 };
 

@@ -30,6 +30,32 @@ Four running_sum(Four v) {
   return v + __builtin_shuffle(Four{}, v, FourIndices{0, 1, 4, 5});
 }
 
+// The length of a child's part of the choice; 0: nothing of it reaches the receiver.
+float share_of(const LightTree::Choice& choice, size_t i) {
+  const float share = choice.end(i) - choice.begin(i);
+  // Where nothing was added, sums of the same numbers in another order may differ.
+  return share > 0.5f * kLeastShare * choice.sum() ? share : 0.0f;
+}
+
+// The child whose part holds u times the sum.
+size_t find(const LightTree::Choice& choice, double u) {
+  const Four about = Four{} + static_cast<float>(u) * choice.sum();
+  // Minus how many ends are passed.
+  FourIndices passed = (about >= choice.ends[1]) + (about >= choice.ends[2]);
+  passed += __builtin_shuffle(passed, FourIndices{2, 3, 0, 1});
+  auto i = std::min(static_cast<size_t>(-(passed[0] + passed[1])), size_t{LightTree::kWidth - 1});
+  // Rounding may have passed an end, which hardly ever happens, and must not to children of a small
+  // share more often than to others.
+  const double exactly = u * static_cast<double>(choice.sum());
+  while (exactly < static_cast<double>(choice.begin(i))) {
+    --i;
+  }
+  while (exactly >= static_cast<double>(choice.end(i))) {
+    ++i;
+  }
+  return i;
+}
+
 }  // namespace
 
 LightTree::Query::Query(const Receiver& from) {
@@ -106,29 +132,6 @@ LightTree::Choice LightTree::choose_first(const Query& from) const {
   return empty() ? Choice{} : weigh(nodes_[0], from);
 }
 
-float LightTree::Choice::share(size_t i) const {
-  const float share = end(i) - begin(i);
-  // Where nothing was added, sums of the same numbers in another order may differ.
-  return share > 0.5f * kLeastShare * sum() ? share : 0.0f;
-}
-
-size_t LightTree::Choice::find(double u) const {
-  const Four about = Four{} + static_cast<float>(u) * sum();
-  FourIndices passed = (about >= ends[1]) + (about >= ends[2]);  // minus how many are
-  passed += __builtin_shuffle(passed, FourIndices{2, 3, 0, 1});
-  auto i = std::min(static_cast<size_t>(-(passed[0] + passed[1])), size_t{kWidth - 1});
-  // Rounding may have passed an end, which hardly ever happens, and must not to children of a small
-  // share more often than to others.
-  const double exactly = u * static_cast<double>(sum());
-  while (exactly < static_cast<double>(begin(i))) {
-    --i;
-  }
-  while (exactly >= static_cast<double>(end(i))) {
-    ++i;
-  }
-  return i;
-}
-
 uint32_t LightTree::sample(const Query& from, const Choice& first, double u, float& pdf) const {
   pdf = 1.0f;
   Choice choice = first;
@@ -137,9 +140,9 @@ uint32_t LightTree::sample(const Query& from, const Choice& first, double u, flo
     if (!(sum > 0.0f)) {
       return kNoIndex;
     }
-    const size_t chosen = choice.find(u);
+    const size_t chosen = find(choice, u);
     const uint32_t child = nodes_[node].child[chosen];
-    const float share = choice.share(chosen);
+    const float share = share_of(choice, chosen);
     pdf *= share / sum;
     if ((child & kIsLight) != 0) {
       return child & ~kIsLight;
@@ -160,7 +163,7 @@ float LightTree::pdf(const Query& from, const Choice& first, uint32_t light) con
   float pdf = 1.0f;
   for (Place at = light_places_[light]; at.node != kNoIndex; at = node_places_[at.node]) {
     const Choice choice = at.node == 0 ? first : weigh(nodes_[at.node], from);
-    const float share = choice.share(at.lane);
+    const float share = share_of(choice, at.lane);
     if (!(share > 0.0f)) {
       return 0.0f;
     }

@@ -64,10 +64,6 @@ class LightTree {
     float end(size_t i) const { return begin(i + 1); }
     // A rough irradiance at the receiver, 0 where no light can reach it.
     float sum() const { return end(kWidth - 1); }
-    // The length of a child's part; 0: nothing of it reaches the receiver.
-    float share(size_t i) const;
-    // The child whose part holds u times the sum, u in [0,1).
-    size_t find(double u) const;
   };
   // The choice that all others for this receiver begin with.
   Choice choose_first(const Query& from) const;

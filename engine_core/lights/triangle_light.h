@@ -15,16 +15,29 @@ namespace vernier {
 // of the spherical triangle are lost to rounding.
 inline constexpr float kLargestSphericalTriangle = 6.2f;
 
-struct TriangleLight {
+// One cache line: scenes may have more lights than caches hold.
+struct alignas(64) TriangleLight {
   Vec3f v0, e1, e2;  // a corner and the edges from it, render space
   Vec3f n;           // unit, e1 x e2
   float area = 0;    // m^2
-  const Material* material = nullptr;
   uint32_t instance = 0, triangle = 0;
+  uint32_t emitter = 0;  // LightTable::emitters
+};
+
+// What many emissive triangles have in common.
+struct TriangleEmitter {
+  const Material* material = nullptr;
+  uint32_t visibility = 0;  // Visibility bits
+  bool constant = false;    // alike everywhere and in all directions...
+  Color radiance;           // ...namely this
 };
 
 // Length of a vector that may be too short or long for its square.
 inline float safe_length(Vec3f v) {
+  const float squared = length_squared(v);
+  if (squared > 1e-30f && squared < 1e30f) {
+    return std::sqrt(squared);
+  }
   const float scale = max_component(abs(v));
   return scale > 0.0f ? scale * length(v / splat(scale)) : 0.0f;
 }

@@ -53,9 +53,10 @@ float pdf_cdf(std::span<const float> cdf, float x) {
 }  // namespace
 
 double extend_bits(float u) {
-  const double bits = std::floor(static_cast<double>(u) * 0x1p32);
-  const uint64_t more = hash64(static_cast<uint64_t>(bits)) >> 43;  // 21 bits: 53 in all
-  return (bits + static_cast<double>(more) * 0x1p-21) * 0x1p-32;
+  // By signed numbers, for which there are instructions on all processors.
+  const auto bits = static_cast<int64_t>(static_cast<double>(u) * 0x1p32);
+  const auto more = static_cast<int64_t>(hash64(static_cast<uint64_t>(bits)) >> 43);
+  return static_cast<double>((bits << 21) + more) * 0x1p-53;  // 53 bits in all
 }
 
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const float> weights)

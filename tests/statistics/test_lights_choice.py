@@ -113,6 +113,42 @@ def test_no_light_that_contributes_is_left_out(many: Any, rng: np.random.Generat
         assert (p.reshape(-1)[lit] > 0).all()
 
 
+@pytest.mark.parametrize("offset", [0.0, 1e4])
+def test_narrow_beams_are_not_left_out(offset: float, rng: np.random.Generator) -> None:
+    """The tree's cones and spheres are rounded: outward, so that what they hold is chosen."""
+    builder = SceneBuilder()
+    lamps = 200
+    turns = [rotation(rng) for _ in range(lamps)]
+    places = rng.uniform(-5, 5, (lamps, 3)) + offset
+    angles = 10 ** rng.uniform(-2, 0, lamps)
+    for i in range(lamps):
+        builder.light(
+            ["SPOT", "AREA"][i % 2],
+            transform=placed(turns[i], places[i]),
+            emission=tuple(rng.lognormal(0, 1.5, 3)),
+            spot_angle=float(angles[i]),
+            spread=float(angles[i]),
+            size_x=0.1,
+            size_y=0.1,
+        )
+    # As far away on the other side: the origin of render space is between them.
+    builder.light("POINT", transform=placed(1, (-offset, 0, 0)))
+    scene = compiled(builder)
+    each = 50
+    rows = np.zeros((lamps, each, 10), np.float32)
+    for i in range(lamps):
+        along = np.array([[0, 0, -1.0]]) + rng.normal(0, angles[i] / 4, (each, 3)) * [1, 1, 0]
+        toward = unit(along) @ turns[i].T
+        rows[i, :, :3] = places[i] + toward * rng.uniform(0.5, 5, (each, 1))
+        rows[i, :, 3:6] = rows[i, :, 6:9] = -toward
+    flat = rows.reshape(-1, 10)
+    lights = np.repeat(np.arange(lamps, dtype=np.uint32), each)
+    s = Samples(probe.sample_given_lights(scene, flat, lights, uniforms(rng, len(flat), 2)))
+    assert s.valid.mean() > 0.5
+    p = np.asarray(probe.selection_pdf(scene, flat, lights))[:, 0]
+    assert (p[s.valid] > 0).all()
+
+
 @pytest.mark.parametrize("kind", RECEIVERS)
 def test_lights_are_chosen_as_often_as_they_should(
     many: Any, kind: str, rng: np.random.Generator

@@ -9,8 +9,9 @@ namespace {
 using Four = LightTree::Choice::Four;
 using FourIndices [[gnu::vector_size(16)]] = int32_t;
 
-// Cosines here come from square roots of rounded differences, which are good to sqrt(u), and from
-// numbers of nine bits.
+// Radii are good to a part in 2^9. Cosines come from square roots of rounded differences, which are
+// good to sqrt(u), from radii and from other numbers of as many bits.
+constexpr float kRadiusSlack = 1.0f + 0x1p-8f;
 constexpr float kCosineSlack = 0x1p-7f;
 // Squares of distances are at least this, so that no importance overflows.
 constexpr float kSmallestDistance2 = 1e-28f;
@@ -84,7 +85,8 @@ LightTree::Query::Query(const Receiver& from) {
     const float inverse2 = 1.0f / std::max(nearest, kSmallestDistance2);
 
     // Nothing where all of the sphere lies behind the plane of an opaque receiver.
-    const float highest = from.ng_x[i] * x + from.ng_y[i] * y + from.ng_z[i] * z + radius;
+    const float highest =
+        from.ng_x[i] * x + from.ng_y[i] * y + from.ng_z[i] * z + radius * kRadiusSlack;
 
     // The sphere fills an angle b, whose sine is the radius: all where the receiver is inside.
     const float cos_b =

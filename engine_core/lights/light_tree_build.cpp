@@ -254,16 +254,11 @@ class LightTreeBuilder {
     const uint32_t bits = std::bit_cast<uint32_t>(number);
     return (bits >> 16) + ((bits >> 31) != 0 && (bits & 0xffffu) != 0 ? 1u : 0u);
   }
-  // The word of the given lower half that is, as a float32, next to `number`; or next above, which
-  // is for positive numbers.
-  static uint32_t nearest_word(float number, uint32_t low) {
-    // No denormals, which are slow.
-    const float normal = std::copysign(std::max(std::abs(number), 0x1p-20f), number);
+  // The word of the given lower half that is, as a float32, next to `number`, which becomes at
+  // least `least`: denormals are slow.
+  static uint32_t nearest_word(float number, uint32_t low, float least = 0x1p-20f) {
+    const float normal = std::copysign(std::max(std::abs(number), least), number);
     return ((std::bit_cast<uint32_t>(normal) - low + 0x8000u) & 0xffff0000u) | low;
-  }
-  static uint32_t word_above(float number, uint32_t low) {
-    return ((std::bit_cast<uint32_t>(std::max(number, 1e-18f)) - low + 0xffffu) & 0xffff0000u) |
-           low;
   }
 
   static void store(LightTree::Node& node, size_t lane, const LightBounds& b, uint32_t link,
@@ -274,12 +269,13 @@ class LightTreeBuilder {
     // but for the receiver's own place.
     const float radius = length(max(b.upper - center, center - b.lower)) * (1.0f + gamma(20)) +
                          length(center) * gamma(16);
-    node.radius_cos_e[lane] = word_above(radius, half_below(std::cos(b.angle_e)));
+    node.radius_cos_e[lane] = nearest_word(radius, half_below(std::cos(b.angle_e)), 1e-18f);
     store_cone(node, lane, b);
     node.child[lane] = is_light ? link | LightTree::kIsLight : link;
   }
 
   static void store_cone(LightTree::Node& node, size_t lane, const LightBounds& b) {
+    constexpr float kRounding = 0x1p-8f;
     const bool all_around = b.axis == Vec3f{};
     const Vec3f axis = all_around ? Vec3f{0, 0, 1} : b.axis;
     uint32_t x = 0, y = 0, z = nearest_half(b.two_sided ? -b.intensity : b.intensity);
@@ -290,10 +286,10 @@ class LightTreeBuilder {
       z = nearest_word(-axis.z, z & 0xffffu);
       const Vec3f stored =
           -Vec3f{std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z)};
-      // Wider by what the axis has turned; and never of sine zero: by the sign of sin(w - o), a
-      // cone of all directions contains its axis.
+      // Wider by what the axis has turned and the cone will be rounded; and never of sine zero: by
+      // the sign of sin(w - o), a cone of all directions contains its axis.
       const float turned = std::atan2(length(cross(axis, stored)), dot(axis, stored));
-      const float angle = all_around ? kPi : std::min(b.angle_o + turned, kPi);
+      const float angle = all_around ? kPi : std::min(b.angle_o + turned + kRounding, kPi);
       const float scale = 1.0f / length(stored);
       if (i < 3) {
         x = nearest_half(std::cos(angle) * scale);

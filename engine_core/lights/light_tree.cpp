@@ -46,8 +46,9 @@ size_t find(const LightTree::Choice& choice, double u) {
   passed += __builtin_shuffle(passed, FourIndices{2, 3, 0, 1});
   auto i = std::min(static_cast<size_t>(-(passed[0] + passed[1])), size_t{LightTree::kWidth - 1});
   // Rounding may have passed an end, which hardly ever happens, and must not to children of a small
-  // share more often than to others.
-  const double exactly = u * static_cast<double>(choice.sum());
+  // share more often than to others. What is looked for stays below the last end however it rounds.
+  constexpr double kBelowOne = 0x1.ffffffffffffep-1;
+  const double exactly = std::min(u, kBelowOne) * static_cast<double>(choice.sum());
   while (exactly < static_cast<double>(choice.begin(i))) {
     --i;
   }

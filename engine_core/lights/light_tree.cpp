@@ -49,10 +49,10 @@ size_t find(const LightTree::Choice& choice, double u) {
   // share more often than to others. What is looked for stays below the last end however it rounds.
   constexpr double kBelowOne = 0x1.ffffffffffffep-1;
   const double exactly = std::min(u, kBelowOne) * static_cast<double>(choice.sum());
-  while (exactly < static_cast<double>(choice.begin(i))) {
+  while (i > 0 && exactly < static_cast<double>(choice.begin(i))) {
     --i;
   }
-  while (exactly >= static_cast<double>(choice.end(i))) {
+  while (i + 1 < LightTree::kWidth && exactly >= static_cast<double>(choice.end(i))) {
     ++i;
   }
   return i;
@@ -148,7 +148,7 @@ uint32_t LightTree::sample(const Query& from, const Choice& first, double u, flo
     const float share = share_of(choice, chosen);
     pdf *= share / sum;
     if ((child & kIsLight) != 0) {
-      return child & ~kIsLight;
+      return child == kNoIndex ? kNoIndex : child & ~kIsLight;
     }
     // Where in the child's part it was chooses the next.
     u = (u * static_cast<double>(sum) - static_cast<double>(choice.begin(chosen))) /

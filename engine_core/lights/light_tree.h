@@ -92,8 +92,15 @@ class LightTree {
     // Minus the axes of the cones, not of unit length, and the cosines and sines of angle_o over
     // that length. Negative intensities: those that shine both ways.
     Lanes<uint32_t> axis_x_cos_o{}, axis_y_sin_o{}, axis_z_intensity{};
-    Lanes<uint32_t> child{};  // a node's number, or a light's and kIsLight
+    // A node's number, or a light's and kIsLight; kNoIndex: unused, which a receiver at a place
+    // that is no number may choose.
+    Lanes<uint32_t> child = none();
 
+    static Lanes<uint32_t> none() {
+      Lanes<uint32_t> children;
+      children.fill(kNoIndex);
+      return children;
+    }
     static Lanes<uint32_t> unused() {
       constexpr uint32_t kOneAndTwo = 0x3f804000u;  // a radius of one, a cosine of two
       Lanes<uint32_t> words;

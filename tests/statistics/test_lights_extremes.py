@@ -131,3 +131,20 @@ def test_lamps_without_extent_or_power_are_dark(rng: np.random.Generator) -> Non
         scene = compiled(builder)
         assert not sample(scene, receiver((0, 0, -1)), rng, 50).valid.any()
         assert not Emissions(probe.sample_emission(scene, uniforms(rng, 50, 5))).valid.any()
+
+
+@pytest.mark.parametrize("place", [np.nan, np.inf, 3e38])
+@pytest.mark.parametrize("lamps", [1, 3, 100])
+def test_a_place_that_is_no_number_ends_the_choice(
+    place: float, lamps: int, rng: np.random.Generator
+) -> None:
+    builder = SceneBuilder()
+    for at in rng.uniform(-1, 1, (lamps, 3)):
+        builder.light("POINT", transform=placed(1, at), radius=0.01)
+    builder.light("SUN")
+    scene = compiled(builder)
+    for column in range(9):  # of the place and both normals
+        at = receiver((0.1, 0.2, 0.3))
+        at[0, column] = place
+        s = sample(scene, at, rng, 200)
+        assert (s.light[s.valid] <= lamps).all()

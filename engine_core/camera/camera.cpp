@@ -205,6 +205,7 @@ float Camera::footprint(Vec3f p) const {
   }
   const float cosine = std::max(dot(d, axis()) / distance, least_cosine_);
   const float slope = pixel_radius_ * cosine * std::sqrt(cosine);
+  // To the last bit what hypot gives, without its call.
   const auto hypotenuse = static_cast<float>(std::sqrt(1.0 + square(static_cast<double>(slope))));
   return distance * (slope / hypotenuse);
 }

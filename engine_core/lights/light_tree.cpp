@@ -6,9 +6,6 @@
 namespace vernier {
 namespace {
 
-using Four = LightTree::Choice::Four;
-using FourIndices [[gnu::vector_size(16)]] = int32_t;
-
 // Radii are good to a part in 2^9. Cosines come from square roots of rounded differences, which are
 // good to sqrt(u), from radii and from other numbers of as many bits.
 constexpr float kRadiusSlack = 1.0f + 0x1p-8f;
@@ -26,9 +23,9 @@ float masked(float value, uint32_t mask) {
 }
 
 // Of every number, its sum with those before.
-Four running_sum(Four v) {
-  v += __builtin_shuffle(Four{}, v, FourIndices{0, 4, 5, 6});
-  return v + __builtin_shuffle(Four{}, v, FourIndices{0, 1, 4, 5});
+Floats4 running_sum(Floats4 v) {
+  v += __builtin_shufflevector(Floats4{}, v, 0, 4, 5, 6);
+  return v + __builtin_shufflevector(Floats4{}, v, 0, 1, 4, 5);
 }
 
 // The length of a child's part of the choice; 0: nothing of it reaches the receiver.
@@ -40,10 +37,10 @@ float share_of(const LightTree::Choice& choice, size_t i) {
 
 // The child whose part holds u times the sum.
 size_t find(const LightTree::Choice& choice, double u) {
-  const Four about = Four{} + static_cast<float>(u) * choice.sum();
+  const Floats4 about = Floats4{} + static_cast<float>(u) * choice.sum();
   // Minus how many ends are passed.
-  FourIndices passed = (about >= choice.ends[1]) + (about >= choice.ends[2]);
-  passed += __builtin_shuffle(passed, FourIndices{2, 3, 0, 1});
+  Ints4 passed = (about >= choice.ends[1]) + (about >= choice.ends[2]);
+  passed += __builtin_shufflevector(passed, passed, 2, 3, 0, 1);
   auto i = std::min(static_cast<size_t>(-(passed[0] + passed[1])), size_t{LightTree::kWidth - 1});
   // Rounding may have passed an end, which hardly ever happens, and must not to children of a small
   // share more often than to others. What is looked for stays below the last end however it rounds.
@@ -121,14 +118,14 @@ LightTree::Query::Query(const Receiver& from) {
     weights[i] = highest < from.lowest[i] || cos_x < cos_e ? 0.0f : weight;
   }
 
-  const auto low = std::bit_cast<std::array<Four, 2>>(weights)[0];
-  const auto high = std::bit_cast<std::array<Four, 2>>(weights)[1];
-  const Four sum_low = running_sum(low);
-  const Four sum_high = running_sum(high) + sum_low[3];
-  const Four count_low = running_sum(low > 0.0f ? Four{} + 1.0f : Four{});
-  const Four count_high = running_sum(high > 0.0f ? Four{} + 1.0f : Four{}) + count_low[3];
+  const auto low = std::bit_cast<std::array<Floats4, 2>>(weights)[0];
+  const auto high = std::bit_cast<std::array<Floats4, 2>>(weights)[1];
+  const Floats4 sum_low = running_sum(low);
+  const Floats4 sum_high = running_sum(high) + sum_low[3];
+  const Floats4 count_low = running_sum(low > 0.0f ? Floats4{} + 1.0f : Floats4{});
+  const Floats4 count_high = running_sum(high > 0.0f ? Floats4{} + 1.0f : Floats4{}) + count_low[3];
   const float least = sum_high[3] * kLeastShare;
-  return {{Four{}, sum_low + count_low * least, sum_high + count_high * least}};
+  return {{Floats4{}, sum_low + count_low * least, sum_high + count_high * least}};
 }
 
 LightTree::Choice LightTree::choose_first(const Query& from) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lights/light_sample.h"
+#include "math/lanes.h"
 #include "math/vec.h"
 
 namespace vernier {
@@ -54,11 +55,10 @@ class LightTree {
   };
   // A choice among the children of a node.
   struct Choice {
-    using Four [[gnu::vector_size(16)]] = float;
     // Each child has the part of [0, sum) from the end of the one before to its own: float32 may
     // have moved the ends, but what is drawn has the very probability that is told of it. Before
     // the first is a zero.
-    std::array<Four, 1 + kWidth / 4> ends{};
+    std::array<Floats4, 1 + kWidth / 4> ends{};
 
     float begin(size_t i) const { return ends[(i + 3) / 4][(i + 3) % 4]; }
     float end(size_t i) const { return begin(i + 1); }
@@ -76,7 +76,7 @@ class LightTree {
  private:
   friend class LightTreeBuilder;
   template <class T>
-  using Lanes = std::array<T, kWidth>;
+  using Children = std::array<T, kWidth>;
 
   static constexpr float kLarge = 1e30f;
   static constexpr uint32_t kSign = 0x80000000u, kIsLight = 0x80000000u;
@@ -85,25 +85,25 @@ class LightTree {
   // word: the first is all of it, as a float32, whatever the second makes of its lower bits; the
   // second is a float32 of which the lower half is left out.
   struct alignas(64) Node {
-    Lanes<float> center_x{}, center_y{}, center_z{};  // of the spheres about the lights
+    Children<float> center_x{}, center_y{}, center_z{};  // of the spheres about the lights
     // Their radii, with what rounding may move. And the cosines of angle_e; unused children shine
     // at no angle.
-    Lanes<uint32_t> radius_cos_e = unused();
+    Children<uint32_t> radius_cos_e = unused();
     // Minus the axes of the cones, not of unit length, and the cosines and sines of angle_o over
     // that length. Negative intensities: those that shine both ways.
-    Lanes<uint32_t> axis_x_cos_o{}, axis_y_sin_o{}, axis_z_intensity{};
+    Children<uint32_t> axis_x_cos_o{}, axis_y_sin_o{}, axis_z_intensity{};
     // A node's number, or a light's and kIsLight; kNoIndex: unused, which a receiver at a place
     // that is no number may choose.
-    Lanes<uint32_t> child = none();
+    Children<uint32_t> child = none();
 
-    static Lanes<uint32_t> none() {
-      Lanes<uint32_t> children;
+    static Children<uint32_t> none() {
+      Children<uint32_t> children;
       children.fill(kNoIndex);
       return children;
     }
-    static Lanes<uint32_t> unused() {
+    static Children<uint32_t> unused() {
       constexpr uint32_t kOneAndTwo = 0x3f804000u;  // a radius of one, a cosine of two
-      Lanes<uint32_t> words;
+      Children<uint32_t> words;
       words.fill(kOneAndTwo);
       return words;
     }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 
 #include "render/settings.h"
 
@@ -13,14 +12,12 @@ class Roulette {
  public:
   explicit Roulette(const Settings& settings)
       : threshold_(static_cast<float>(settings.roulette_threshold)),
-        most_growth_(growth_to_all(threshold_)),
         start_(settings.roulette_start),
         long_path_(settings.max_bounces < 0 ? kLongPath : kNever),
         long_passage_(settings.transparent_bounces < 0 ? kLongPath : kNever) {}
   // The same with a roulette of its own.
   Roulette(const Settings& settings, float threshold, int start) : Roulette(settings) {
     threshold_ = threshold;
-    most_growth_ = growth_to_all(threshold);
     start_ = start;
   }
 
@@ -33,8 +30,8 @@ class Roulette {
   // after many bounces is in a closed place, where much would be spent on each that is let live; in
   // the open most end by themselves. So the threshold grows with the bounces, up to all.
   float survival(int bounces, uint32_t vertex, float carried) const {
-    const float threshold =
-        threshold_ * std::clamp(0.5f * static_cast<float>(bounces), 1.0f, most_growth_);
+    const float growth = std::max(0.5f * static_cast<float>(bounces), 1.0f);
+    const float threshold = std::min(threshold_ * growth, std::max(threshold_, 1.0f));
     float p = bounces > start_ && carried < threshold ? carried / threshold : 1.0f;
     const auto scattered = static_cast<uint32_t>(bounces);
     if (scattered >= long_path_ || vertex - std::min(scattered, vertex) >= long_passage_) {
@@ -51,11 +48,7 @@ class Roulette {
   static constexpr uint32_t kLongPath = 1024, kNever = 0xffffffffu;
   static constexpr float kLongPathSurvival = 0.9f;
 
-  static float growth_to_all(float threshold) {
-    return threshold < 1.0f ? 1.0f / std::max(threshold, std::numeric_limits<float>::min()) : 1.0f;
-  }
-
-  float threshold_, most_growth_;
+  float threshold_;
   int start_;
   uint32_t long_path_, long_passage_;  // surfaces that scatter, and that let pass
 };

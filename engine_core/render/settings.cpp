@@ -173,9 +173,9 @@ const std::array kParameters{
          "Light Fraction", "Probability of sampling toward a light with the mixture estimator"),
     real("light_paths", "roulette_threshold", &Settings::roulette_threshold, 0, 1e6, 0, 1,
          "Roulette Threshold",
-         "Paths that carry less than this, after more than two bounces half of it per bounce, may "
-         "be "
-         "ended by chance, without bias; 0: none, but after 1024 bounces where no limit ends them"),
+         "Paths that carry less than this may be ended by chance, without bias; from the third "
+         "bounce on it grows by half with each, up to 1; 0: none, but after 1024 bounces where no "
+         "limit ends them"),
     integer("light_paths", "roulette_start", &Settings::roulette_start, 0, 1 << 16, 0, 16,
             "Roulette Start", "Bounces before Russian roulette begins"),
     integer("light_paths", "max_bounces", &Settings::max_bounces, -1, 1 << 16, -1, 64,
